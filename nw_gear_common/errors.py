@@ -1,0 +1,23 @@
+"""The errors a user can meet. Each one states a place, what was expected there and what was got."""
+
+from __future__ import annotations
+
+
+class NwGearError(Exception):
+    """Root of every error raised on purpose by this project."""
+
+
+class InputError(NwGearError):
+    """Something a user gave (file, key, argument, parameter, recording) can't be used.
+
+    Args:
+        place: where it was met: a file and key, a parameter's name, an argument.
+        expected: what would have been accepted.
+        got: what was found instead.
+    """
+
+    def __init__(self, place: str, expected: str, got: str) -> None:
+        super().__init__(f"{place}: expected {expected}, got {got}")
+        self.place = place
+        self.expected = expected
+        self.got = got

@@ -1,0 +1,68 @@
+"""Entry points of the executables: answer signals first, import the heavy libraries second.
+
+A console script imports only this light module, so that SIGINT and SIGTERM already end a process cleanly while rclpy
+and numba are still being imported. Nothing is open at that time, hence `os._exit`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import signal
+import sys
+from types import FrameType
+
+_NODES = {
+    "wind_node": "nw_gear_sim.nodes.wind_node",
+    "gear_sim_node": "nw_gear_sim.nodes.gear_sim_node",
+    "gear_monitor_node": "nw_gear_monitor.nodes.gear_monitor_node",
+    "recorder_node": "nw_gear_monitor.nodes.recorder_node",
+    "replay_node": "nw_gear_monitor.nodes.replay_node",
+}
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+def _leave_with_zero(_number: int, _frame: FrameType | None) -> None:
+    os._exit(0)
+
+
+def _leave_with_signal(number: int, _frame: FrameType | None) -> None:
+    os._exit(128 + number)
+
+
+def _run_node(name: str) -> int:
+    for number in SIGNALS:
+        signal.signal(number, _leave_with_zero)
+    return int(importlib.import_module(_NODES[name]).main(sys.argv))
+
+
+def wind_node() -> int:
+    """Start the wind."""
+    return _run_node("wind_node")
+
+
+def gear_sim_node() -> int:
+    """Start the gearbox."""
+    return _run_node("gear_sim_node")
+
+
+def gear_monitor_node() -> int:
+    """Start the monitor."""
+    return _run_node("gear_monitor_node")
+
+
+def recorder_node() -> int:
+    """Start the recorder."""
+    return _run_node("recorder_node")
+
+
+def replay_node() -> int:
+    """Start the replay."""
+    return _run_node("replay_node")
+
+
+def nw_gear() -> int:
+    """Run the command line."""
+    for number in SIGNALS:
+        signal.signal(number, _leave_with_signal)
+    return int(importlib.import_module("nw_gear_common.cli").main(sys.argv[1:]))
