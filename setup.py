@@ -45,6 +45,11 @@ setup(
     extras_require={"test": ["pytest"]},
     entry_points={
         "console_scripts": [f"{name} = nw_gear_common.launcher:{name}" for name in EXECUTABLES],
-        "nw_gear.commands": [],
+        "nw_gear.commands": [
+            "demo = nw_gear_common.demo:demo",
+            "review = nw_gear_monitor.review.command:review",
+            "info = nw_gear_monitor.records.command_info:info",
+            "recover = nw_gear_monitor.records.command_recover:recover",
+        ],
     },
 )
