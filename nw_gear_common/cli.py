@@ -17,7 +17,7 @@ import click
 import typer
 
 import nw_gear_common
-from nw_gear_common.errors import InputError, NwGearError
+from nw_gear_common.errors import NwGearError
 
 GROUP = "nw_gear.commands"
 
@@ -67,12 +67,9 @@ def main(arguments: Sequence[str]) -> int:
     except click.ClickException as error:
         print(f"nw_gear: {error.format_message()}", file=sys.stderr)
         return 2
-    except InputError as error:
-        print(f"nw_gear: {error}", file=sys.stderr)
-        return 2
     except NwGearError as error:
         print(f"nw_gear: {error}", file=sys.stderr)
-        return 1
+        return error.exit_code
     except Interrupted as end:
         return end.code
     except click.exceptions.Abort:

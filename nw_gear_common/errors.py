@@ -4,7 +4,13 @@ from __future__ import annotations
 
 
 class NwGearError(Exception):
-    """Root of every error raised on purpose by this project."""
+    """Root of every error raised on purpose by this project.
+
+    Attributes:
+        exit_code: of a process that ends because of it.
+    """
+
+    exit_code = 1
 
 
 class InputError(NwGearError):
@@ -15,6 +21,8 @@ class InputError(NwGearError):
         expected: what would have been accepted.
         got: what was found instead.
     """
+
+    exit_code = 2
 
     def __init__(self, place: str, expected: str, got: str) -> None:
         super().__init__(f"{place}: expected {expected}, got {got}")

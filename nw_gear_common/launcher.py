@@ -1,7 +1,8 @@
 """Entry points of the executables: answer signals first, import the heavy libraries second.
 
 A console script imports only this light module, so that SIGINT and SIGTERM already end a process cleanly while rclpy
-and numba are still being imported. Nothing is open at that time, hence `os._exit`.
+and numba are still being imported. Nothing is open at that time, hence `os._exit`. `python -m nw_gear_common.launcher
+NAME ...` does the same without an installed script.
 """
 
 from __future__ import annotations
@@ -66,3 +67,8 @@ def nw_gear() -> int:
     for number in SIGNALS:
         signal.signal(number, _leave_with_signal)
     return int(importlib.import_module("nw_gear_common.cli").main(sys.argv[1:]))
+
+
+if __name__ == "__main__":
+    command = sys.argv.pop(1)
+    sys.exit(nw_gear() if command == "nw_gear" else _run_node(command))

@@ -93,7 +93,7 @@ def run(name: str, make: Callable[[Stop], Node], argv: Sequence[str]) -> int:
     if stop.error is None:
         return 0
     print(f"{name}: {stop.error}", file=sys.stderr, flush=True)
-    return 2 if isinstance(stop.error, InputError) else 1
+    return stop.error.exit_code
 
 
 def _listen_to_signals(stop: Stop) -> None:
@@ -172,6 +172,11 @@ def declare_parameters(
     if on_change is not None:
         _follow_changes(node, settings, on_change)
     return settings
+
+
+def was_set(node: Node, name: str) -> bool:
+    """Whether a parameter was given from outside, as opposed to its default."""
+    return name in node._parameter_overrides
 
 
 def _follow_changes(node: Node, settings: Any, on_change: Callable[[Any], None]) -> None:

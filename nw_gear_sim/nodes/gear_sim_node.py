@@ -1,0 +1,256 @@
+"""`gear_sim_node`: integrates the gearbox and publishes what it does.
+
+The executor's thread answers subscriptions, services and signals; a second thread compiles, finds the equilibrium,
+integrates (without the GIL) and publishes. Simulated time is never skipped: where the machine can't keep pace the lag
+is reported in `/diagnostics` and in the log.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import Vector3Stamped
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from std_srvs.srv import SetBool, Trigger
+
+from nw_gear_common import names
+from nw_gear_common.errors import NwGearError
+from nw_gear_common.quantities import quantity
+from nw_gear_common.ros import Stop, declare_parameters, latched_qos, leave_now, make_node, run, to_seconds, was_set
+from nw_gear_sim import config
+from nw_gear_sim.nodes.inflow import WindInflow
+from nw_gear_sim.nodes.pacing import Pace
+from nw_gear_sim.nodes.publishing import Reports, Views, Waveform
+from nw_gear_sim.nodes.session import Session
+from nw_gear_sim.simulation import compile_kernels
+
+POLL = 0.02
+"""Seconds between two looks at something that is waited for."""
+JOIN_WITHIN = 4.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Parameters of `gear_sim_node`."""
+
+    config: str = quantity("", "Configuration laid over the default gearbox: a YAML file, or the name of a preset.")
+    real_time_factor: float = quantity(
+        1.0, "Simulated seconds per second of wall time; 0 = as fast as possible.", "1", minimum=0.0, maximum=1000.0
+    )
+    sample_rate: float = quantity(
+        5120.0, "Rate of the waveform; divides 1/step and is a multiple of 20.", "Hz", minimum=20.0, maximum=40960.0
+    )
+    view_rate: float = quantity(
+        50.0, "Rate of shafts, mesh and bearings, in wall time.", "Hz", minimum=0.1, maximum=1000.0
+    )
+    excitation: str = quantity(
+        "kinematic",
+        "Whether each stage is excited at its own mesh frequency or all at that of stage II.",
+        choices=("kinematic", "tied"),
+    )
+    publish_clock: bool = quantity(
+        False, "Publish /clock from 0 on, in lock step with the wind; set by itself where real_time_factor isn't 1."
+    )
+    start: str = quantity(
+        "equilibrium", "State at the start: static equilibrium, or all zero as in the paper.", choices=("equilibrium", "zero")
+    )
+    wait_for: int = quantity(0, "Subscribers of the waveform to wait for before time starts.", minimum=0, maximum=100)
+    duration: float = quantity(
+        0.0, "Simulated time after which the node ends by itself; 0 = never.", "s", minimum=0.0, maximum=1e9
+    )
+    waveform_bearings: tuple[str, ...] = quantity(
+        names.WAVEFORM_BEARINGS, "Bearings whose forces are in the waveform.", choices=names.BEARINGS
+    )
+
+
+class GearSimNode(Node):
+    """The simulator as a ROS node."""
+
+    def __init__(self, name: str, stop: Stop, **kwargs: object) -> None:
+        super().__init__(name, **kwargs)
+        self._stop = stop
+        self._settings = declare_parameters(self, Settings)
+        self._configuration = config.load(self._settings.config or None)
+        self.declare_parameter("resolved_config", config.to_yaml(self._configuration))
+        settings = self._settings
+        self._clocked = settings.publish_clock if was_set(self, "publish_clock") else settings.real_time_factor != 1.0
+        self._session = Session(self._configuration, settings.excitation, settings.start, settings.sample_rate)
+        self._inflow = WindInflow()
+        self._lock = threading.Lock()
+        self._paused = threading.Event()
+        self._reset = threading.Event()
+        self._waveform = Waveform(self, self._session.rows, settings.waveform_bearings)
+        self._views = Views(self, settings.view_rate)
+        self._reports = Reports(self, self._clocked)
+        qos: QoSProfile = latched_qos()
+        qos.depth = 20
+        self.create_subscription(Vector3Stamped, names.WIND_SPEED, self._on_wind, qos)
+        self.create_service(SetBool, "~/pause", self._on_pause)
+        self.create_service(Trigger, "~/reset", self._on_reset)
+        self._origin = 0.0
+        self._pace = Pace(settings.real_time_factor, time.monotonic(), 0.0)
+        self._warned = False
+        self._next_report = 0.0
+        self._thread = threading.Thread(target=self._work, name="integration", daemon=True)
+        self._thread.start()
+
+    # --- the executor's thread --------------------------------------------------------------------------------------
+
+    def _on_wind(self, message: Vector3Stamped) -> None:
+        with self._lock:
+            self._inflow.add(to_seconds(message.header.stamp), message.vector.x)
+
+    def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        (self._paused.set if request.data else self._paused.clear)()
+        response.success, response.message = True, "paused" if request.data else "running"
+        return response
+
+    def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._reset.set()
+        response.success, response.message = True, "starting again from the initial state"
+        return response
+
+    def close(self) -> None:
+        """End the second thread; a compiler that is still busy there is not waited for."""
+        self._stop.event.set()
+        self._thread.join(JOIN_WITHIN)
+        if self._thread.is_alive():
+            leave_now(0 if self._stop.error is None else self._stop.error.exit_code)
+
+    # --- the thread that integrates -----------------------------------------------------------------------------------
+
+    def _work(self) -> None:
+        try:
+            self._report(DiagnosticStatus.OK, "compiling")
+            compile_kernels()
+            while not self._stop and self._run_epoch():
+                self.get_logger().info("reset: a new epoch begins")
+            if not self._stop and not self._waveform.flush():
+                self.get_logger().warning("the last blocks were not acknowledged by every subscriber")
+            self._stop()
+        except NwGearError as error:
+            self._report(DiagnosticStatus.ERROR, str(error))
+            self._stop(error)
+        except Exception as error:  # a thread that dies in silence would leave a node that does nothing
+            self._stop(NwGearError(f"{type(error).__name__}: {error}"))
+            raise
+
+    def _run_epoch(self) -> bool:
+        """Run from the initial state until a reset (True) or the end (False)."""
+        self._reset.clear()
+        self._waveform.drop()
+        if self._clocked:
+            with self._lock:
+                self._inflow.clear()
+            self._reports.clock(0.0)
+        if not self._wait_for_company():
+            return not self._stop
+        self._session.begin(self._inflow_at(0.0) if self._session.wind_driven else None)
+        self._origin = 0.0 if self._clocked else self._wall_time()
+        self._pace = Pace(self._settings.real_time_factor, time.monotonic(), 0.0)
+        self.get_logger().info(f"integrating {self._session.description}")
+        limit = self._settings.duration
+        while not self._stop and not self._reset.is_set():
+            if limit and self._session.time >= limit - 1e-9:
+                return False
+            if self._may_advance():
+                self._advance()
+            if time.monotonic() >= self._next_report:
+                self._next_report = time.monotonic() + 1.0
+                self._report_progress()
+        return not self._stop
+
+    def _wait_for_company(self) -> bool:
+        """Wait for subscribers and for the first wind; False when stopped or reset meanwhile."""
+        while not self._stop and not self._reset.is_set():
+            subscribers = self._waveform.subscribers()
+            with self._lock:
+                known = self._inflow.covers(0.0, 0.0) if self._clocked else bool(self._inflow.times)
+            missing = []
+            if subscribers < self._settings.wait_for:
+                missing.append(f"{self._settings.wait_for} subscribers of {names.WAVEFORM} (now {subscribers})")
+            if self._session.wind_driven and not known:
+                missing.append(f"a first message on {names.WIND_SPEED}")
+            if not missing:
+                return True
+            if time.monotonic() >= self._next_report:
+                self._next_report = time.monotonic() + 1.0
+                self._report(DiagnosticStatus.OK, "waiting for " + " and ".join(missing))
+            self._stop.event.wait(POLL)
+        return False
+
+    def _may_advance(self) -> bool:
+        """Whether the next tick is due, and wait a little where it isn't."""
+        if self._paused.is_set():
+            began = time.monotonic()
+            while self._paused.is_set() and not self._stop and not self._reset.is_set():
+                self._stop.event.wait(POLL)
+            self._origin += 0.0 if self._clocked else time.monotonic() - began
+            self._pace = Pace(self._settings.real_time_factor, time.monotonic(), self._session.time)
+            return False
+        wait = self._pace.wait(time.monotonic(), self._session.time + self._session.tick)
+        if wait > 0.0:
+            self._stop.event.wait(min(wait, POLL))
+            return wait <= POLL
+        if self._clocked and self._session.wind_driven:
+            end = self._session.time + self._session.tick
+            with self._lock:
+                known = self._inflow.covers(self._session.time, end)
+            if not known:
+                self._reports.clock(self._session.time)
+                self._stop.event.wait(POLL / 10)
+            return known
+        return True
+
+    def _inflow_at(self, moment: float) -> float:
+        with self._lock:
+            return self._inflow.at(moment if self._clocked else self._wall_time() - self._inflow.delay)
+
+    def _advance(self) -> None:
+        end = self._session.time + self._session.tick
+        block = self._session.advance(self._inflow_at(end) if self._session.wind_driven else None)
+        self._waveform.add(block, self._origin)
+        self._views.offer(block, self._origin)
+        self._reports.clock(self._session.time)
+        self._pace.note(time.monotonic(), self._session.time)
+
+    def _wall_time(self) -> float:
+        return float(self.get_clock().now().nanoseconds) * 1e-9
+
+    # --- what it says about itself ------------------------------------------------------------------------------------
+
+    def _report_progress(self) -> None:
+        moment, simulated = time.monotonic(), self._session.time
+        slow = self._pace.too_slow(moment, simulated)
+        reached = self._pace.reached()
+        if slow:
+            message = f"can't keep pace: {reached:.2f} times real time reached, {self._settings.real_time_factor:g} wanted"
+        else:
+            message = "paused" if self._paused.is_set() else "integrating"
+        if slow and not self._warned:
+            self.get_logger().warning(message)
+        self._warned = slow
+        values = {
+            "real_time_factor reached (1)": f"{reached:.4g}",
+            "real_time_factor wanted (1)": f"{self._settings.real_time_factor:g}",
+            "lag (s)": f"{max(0.0, self._pace.lag(moment, simulated)):.3f}",
+            "simulated (s)": f"{simulated:.3f}",
+            **self._session.values(),
+        }
+        self._report(DiagnosticStatus.WARN if slow else DiagnosticStatus.OK, message, values)
+        self._reports.truth("no fault injected", self._session.truth())
+
+    def _report(self, level: bytes, message: str, values: dict[str, str] | None = None) -> None:
+        now = self._origin + self._session.time if self._clocked else self._wall_time()
+        self._reports.diagnostics(now, level, message, values or {})
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the node until it is asked to stop, `duration` is over or the integration fails."""
+    return run("gear_sim_node", lambda stop: make_node(GearSimNode, "gear_sim_node", stop=stop), argv)
+

@@ -1,0 +1,129 @@
+"""Turns what the simulator computed into the messages of the contract, each at its own rate."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import WrenchStamped
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+
+from nw_gear_common import names
+from nw_gear_common.ros import latched_qos, live_qos, to_message, to_stamp
+from nw_gear_common.tables import Array, Table
+from nw_gear_sim.simulation import Block
+
+WAVEFORM_DEPTH = 100
+ACKNOWLEDGE_WITHIN = 3.0
+
+
+class Waveform:
+    """Collects samples until a block is full, then publishes it."""
+
+    def __init__(self, node: Node, rows: int, bearings: tuple[str, ...]) -> None:
+        self._publisher = node.create_publisher(Float64MultiArray, names.WAVEFORM, live_qos(WAVEFORM_DEPTH))
+        self._columns = names.waveform_columns(bearings)
+        self._bearings = [names.BEARINGS.index(b) for b in bearings]
+        self._data = np.empty((rows, len(self._columns)))
+        self._filled = 0
+
+    def add(self, block: Block, start: float) -> None:
+        """Take the samples of a block whose time zero is at `start` (s of ROS time); publish when full.
+
+        The number of rows is a multiple of the block's, so that a block is never cut.
+        """
+        rows = slice(self._filled, self._filled + len(block.time))
+        forces = block.bearing_force[:, self._bearings, :2].reshape(len(block.time), -1)
+        self._data[rows] = np.hstack([(start + block.time)[:, None], block.phase, block.x, block.v, forces])
+        self._filled = rows.stop
+        if self._filled == len(self._data):
+            self._publisher.publish(to_message(Table(names.ROW_SAMPLE, self._columns, self._data)))
+            self._filled = 0
+
+    def drop(self) -> None:
+        """Forget samples that were not published (reset)."""
+        self._filled = 0
+
+    def subscribers(self) -> int:
+        """How many subscribers are matched."""
+        return int(self._publisher.get_subscription_count())
+
+    def flush(self) -> bool:
+        """Wait until every subscriber has acknowledged everything."""
+        return bool(self._publisher.wait_for_all_acked(Duration(seconds=ACKNOWLEDGE_WITHIN)))
+
+
+class Views:
+    """Shafts, meshes and bearings for people and dashboards, at a rate in wall time."""
+
+    def __init__(self, node: Node, rate: float) -> None:
+        depth = max(10, int(rate))
+        self._shafts = node.create_publisher(JointState, names.SHAFTS_TOPIC, live_qos(depth))
+        self._mesh = node.create_publisher(JointState, names.MESH_TOPIC, live_qos(depth))
+        self._bearings = {
+            b: node.create_publisher(WrenchStamped, names.bearing_topic(b), live_qos(depth)) for b in names.BEARINGS
+        }
+        self._period = 1.0 / rate
+        self._due = time.monotonic()
+
+    def offer(self, block: Block, start: float) -> None:
+        """Publish the last sample of a block if it is time to."""
+        now = time.monotonic()
+        if now < self._due:
+            return
+        self._due = max(self._due + self._period, now)
+        stamp = to_stamp(start + float(block.time[-1]))
+        self._shafts.publish(
+            _joints(stamp, names.SHAFTS, block.shaft_angle[-1], block.shaft_speed[-1], block.shaft_torque[-1])
+        )
+        self._mesh.publish(_joints(stamp, names.MESHES, block.x[-1], block.v[-1], block.force[-1]))
+        for bearing, force in zip(names.BEARINGS, block.bearing_force[-1], strict=True):
+            message = WrenchStamped()
+            message.header.stamp = stamp
+            message.header.frame_id = bearing
+            message.wrench.force.x, message.wrench.force.y, message.wrench.force.z = (float(f) for f in force)
+            self._bearings[bearing].publish(message)
+
+
+def _joints(stamp: object, joints: tuple[str, ...], position: Array, velocity: Array, effort: Array) -> JointState:
+    message = JointState(name=list(joints))
+    message.header.stamp = stamp
+    message.position = position.tolist()
+    message.velocity = velocity.tolist()
+    message.effort = effort.tolist()
+    return message
+
+
+class Reports:
+    """Truth, diagnostics and clock."""
+
+    def __init__(self, node: Node, with_clock: bool) -> None:
+        self._truth = node.create_publisher(DiagnosticStatus, names.TRUTH, latched_qos())
+        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, live_qos(10))
+        self._clock = node.create_publisher(Clock, names.CLOCK, live_qos(100)) if with_clock else None
+        self._hardware = node.get_namespace()
+
+    def clock(self, seconds: float) -> None:
+        """Publish simulated time, where this node is its source."""
+        if self._clock is not None:
+            self._clock.publish(Clock(clock=to_stamp(seconds)))
+
+    def truth(self, message: str, values: Mapping[str, str]) -> None:
+        """Publish what the simulator knows and a monitor has to find out."""
+        self._truth.publish(self._status("gear_sim_node: truth", DiagnosticStatus.OK, message, values))
+
+    def diagnostics(self, seconds: float, level: bytes, message: str, values: Mapping[str, str]) -> None:
+        """Publish how the integration goes."""
+        array = DiagnosticArray(status=[self._status("gear_sim_node: integration", level, message, values)])
+        array.header.stamp = to_stamp(seconds)
+        self._diagnostics.publish(array)
+
+    def _status(self, name: str, level: bytes, message: str, values: Mapping[str, str]) -> DiagnosticStatus:
+        pairs = [KeyValue(key=key, value=value) for key, value in values.items()]
+        return DiagnosticStatus(name=name, level=level, message=message, hardware_id=self._hardware, values=pairs)
