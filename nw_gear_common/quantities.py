@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import types
 import typing
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -41,7 +42,7 @@ class Quantity:
         """Say in words what is accepted."""
         if self.choices is not None:
             return "one of " + ", ".join(self.choices)
-        words = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}.get(kind, f"a list of {kind}")
+        words = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}.get(kind, "a list")
         unit = f" in {self.unit}" if self.unit else ""
         low = "" if self.minimum is None else f" >= {self.minimum:g}"
         high = "" if self.maximum is None else f" <= {self.maximum:g}"
@@ -71,12 +72,25 @@ def quantities(owner: Any) -> Iterator[tuple[str, type, Any, Quantity]]:
             yield field.name, kinds[field.name], field.default, field.metadata[_KEY]
 
 
-def check_value(place: str, value: Any, kind: type, description: Quantity) -> Any:
+def optional(kind: Any) -> tuple[Any, bool]:
+    """Split the type of a field into (type without None, whether None is accepted)."""
+    if typing.get_origin(kind) is not types.UnionType:
+        return kind, False
+    members = [member for member in typing.get_args(kind) if member is not type(None)]
+    return members[0], len(members) < len(typing.get_args(kind))
+
+
+def check_value(place: str, value: Any, kind: Any, description: Quantity) -> Any:
     """Hold one value against its declaration and return it, whole numbers turned into floats where a float is declared.
+
+    None passes where the declared type is `<type> | None`.
 
     Raises:
         InputError: wrong type, not finite, out of bounds, or not among the choices.
     """
+    kind, may_be_none = optional(kind)
+    if value is None and may_be_none:
+        return None
     if typing.get_origin(kind) is tuple:
         member = typing.get_args(kind)[0]
         if not isinstance(value, list | tuple):
@@ -87,7 +101,7 @@ def check_value(place: str, value: Any, kind: type, description: Quantity) -> An
         value = float(value)
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise InputError(place, wanted, repr(value))
-    if kind in (int, float):
+    if isinstance(value, int | float):
         outside = not math.isfinite(value)
         outside |= description.minimum is not None and value < description.minimum
         outside |= description.maximum is not None and value > description.maximum
