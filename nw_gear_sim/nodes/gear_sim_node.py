@@ -49,9 +49,9 @@ class Settings:
         50.0, "Rate of shafts, mesh and bearings, in wall time.", "Hz", minimum=0.1, maximum=1000.0
     )
     excitation: str = quantity(
-        "kinematic",
-        "Whether each stage is excited at its own mesh frequency or all at that of stage II.",
-        choices=("kinematic", "tied"),
+        "",
+        "Each stage excited at its own mesh frequency, or all at that of stage II; empty = as configured.",
+        choices=("", "kinematic", "tied"),
     )
     publish_clock: bool = quantity(
         False, "Publish /clock from 0 on, in lock step with the wind; set by itself where real_time_factor isn't 1."
@@ -79,7 +79,12 @@ class GearSimNode(Node):
         self.declare_parameter("resolved_config", config.to_yaml(self._configuration))
         settings = self._settings
         self._clocked = settings.publish_clock if was_set(self, "publish_clock") else settings.real_time_factor != 1.0
-        self._session = Session(self._configuration, settings.excitation, settings.start, settings.sample_rate)
+        self._session = Session(
+            self._configuration,
+            settings.excitation or self._configuration.excitation.mode,
+            settings.start,
+            settings.sample_rate,
+        )
         self._inflow = WindInflow()
         self._lock = threading.Lock()
         self._paused = threading.Event()
