@@ -42,7 +42,7 @@ class Configuration:
     """Everything that determines a run of the simulator besides wind and seed."""
 
     gears: Gears
-    toothing: Toothings, Wheel
+    toothing: Toothings
     centre_distance: CentreDistance
     mesh: Meshes
     friction: Friction
