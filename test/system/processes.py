@@ -170,7 +170,9 @@ class Probe:
         self._name = name
 
     def __enter__(self) -> Probe:
-        os.environ.update({k: v for k, v in environment(self._domain).items() if k.startswith("ROS_") and k != "ROS_DOMAIN_ID"})
+        own = environment(self._domain)
+        os.environ.update({key: own[key] for key in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOG_DIR")})
+        os.makedirs(own["ROS_LOG_DIR"], exist_ok=True)
         self.context = Context()
         rclpy.init(context=self.context, domain_id=self._domain)
         self.node: Node = rclpy.create_node(self._name, context=self.context)
