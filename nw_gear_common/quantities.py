@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import sys
 import types
 import typing
 from collections.abc import Iterator
@@ -98,7 +99,7 @@ def check_value(place: str, value: Any, kind: Any, description: Quantity) -> Any
         return tuple(check_value(f"{place}[{i}]", item, member, description) for i, item in enumerate(value))
     wanted = description.expected(kind)
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
+        value = float(value) if abs(value) <= sys.float_info.max else math.copysign(math.inf, value)
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise InputError(place, wanted, repr(value))
     if isinstance(value, int | float):
@@ -106,7 +107,7 @@ def check_value(place: str, value: Any, kind: Any, description: Quantity) -> Any
         outside |= description.minimum is not None and value < description.minimum
         outside |= description.maximum is not None and value > description.maximum
         if outside:
-            raise InputError(place, wanted, f"{value:g}")
+            raise InputError(place, wanted, f"{value:g}" if isinstance(value, float) else str(value))
     if description.choices is not None and value not in description.choices:
         raise InputError(place, wanted, repr(value))
     return value
