@@ -25,7 +25,7 @@ FASTEST_WIND = 150.0
 """Largest wind speed taken for one (m/s): above every wind measured at the ground, below the usual error codes."""
 
 FEWEST_ROWS = 2
-EPOCH = datetime(1970, 1, 1)  # noqa: DTZ001 - a count of seconds has no time zone
+EPOCH = datetime(1970, 1, 1)
 """What times given in seconds count from, so that they too have a form in ISO 8601."""
 
 _EMPTY = frozenset({"", "nan", "na", "n/a", "null", "none"})
@@ -88,9 +88,8 @@ class WindFile:
         off = np.flatnonzero(np.abs(steps - numbers) > _REGULAR)
         if off.size:
             place = f"{self.path}: {self.times[off[0]]:g} s after the first row"
-            raise InputError(
-                place, f"intervals that begin at multiples of {self.interval:g} s", f"{steps[off[0]]:.3f} of them"
-            )
+            expected = f"intervals that begin at multiples of {self.interval:g} s"
+            raise InputError(place, expected, f"{steps[off[0]]:.3f} of them")
         every = np.arange(int(numbers[-1]) + 1, dtype=np.float64)
         return np.interp(every, numbers, self.speeds), np.interp(every, numbers, self.deviations)
 

@@ -19,17 +19,18 @@ SHORTEST_INTERVAL = 20.0
 
 
 class TurbulentWind:
-    """Turbulence with given mean and standard deviation in every interval, continuous from interval to interval.
+    """Turbulence with given mean and standard deviation in every interval, continuous across their borders.
 
-    At nodes 1 s apart, r = m + s g with Gaussian noise g of unit variance and autocorrelation exp(-lag/correlation_time);
-    m and s pass from interval to interval along a smooth step. Within each interval r is then corrected to
-    v = r + W (a + b g), where the window W is 1 inside and 0 at both borders, and a and b are such that the mean and the
-    standard deviation of the interval's nodes are exactly the given ones. Between the nodes a cubic is followed.
+    At nodes 1 s apart, r = m + s g with Gaussian noise g of unit variance and autocorrelation
+    exp(-lag/correlation_time); m and s pass from interval to interval along a smooth step. Within each interval r is
+    then corrected to v = r + W (a + b g), where the window W is 1 inside and 0 at both borders, and a and b are such
+    that mean and standard deviation of the interval's nodes are exactly the given ones. Between the nodes a cubic is
+    followed.
 
-    Limits: the spectrum is that of first-order noise, flatter than Kaimal's at low and steeper at high frequencies; the
-    measured maximum isn't used; negative values are clipped at zero, which lifts the mean slightly where the deviation is
-    beyond a third of it; where a jump between neighbouring means alone makes more deviation than the file gives, the
-    smallest possible one is taken and counted in `exceeded`.
+    Limits: the spectrum is that of first-order noise, not Kaimal's; the measured maximum isn't used; negative values
+    are clipped at zero, which lifts the mean slightly where the deviation is beyond a third of it; where a jump between
+    neighbouring means alone makes more deviation than the file gives, the smallest possible one is taken and counted in
+    `exceeded`.
 
     Args:
         means, deviations: shape (n,), m/s, of consecutive intervals from time 0 on.
@@ -39,7 +40,7 @@ class TurbulentWind:
         loop: begin again with the first interval's statistics after the last; otherwise the last one's hold.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913, PLR0917 - six numbers say what is drawn
         self, means: Array, deviations: Array, interval: float, correlation_time: float, seed: int, loop: bool
     ) -> None:
         self._means = means
