@@ -20,6 +20,7 @@ setup(
     packages=[
         "nw_gear_common",
         "nw_gear_sim",
+        "nw_gear_sim.params",
         "nw_gear_sim.physics",
         "nw_gear_sim.integrator",
         "nw_gear_sim.nodes",
