@@ -1,0 +1,134 @@
+"""What share of a mesh's vibration lies in lines at known orders, and whether fractions of a mesh frequency are among them.
+
+rho = residual variance / total variance after the lines k f_I + l f_II + m f_III and own harmonics are fitted and taken
+out. Regular motion leaves little (roller passage), chaotic motion a lot. Where a group f_s p / n explains more than
+LEAST_SHARE of the variance and LEAST_PART of rho, stage s repeats after n mesh periods, and its lines join the comb.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nw_gear_common import names
+from nw_gear_common.tables import Array
+from nw_gear_monitor.signals import comb as combs
+from nw_gear_monitor.signals.comb import Comb, Subharmonic
+from nw_gear_monitor.signals.linefit import LineFit, fit
+from nw_gear_monitor.signals.normal import NormalSecond, normal_second
+
+LEAST_SHARE = 0.005
+LEAST_PART = 0.2
+CHANNELS = {stage: [names.MESHES.index(mesh) for mesh in names.MESHES_OF_STAGE[stage]] for stage in names.STAGES}
+
+
+@dataclass(eq=False)
+class LineSecond:
+    """One second as the fit needs it; normal equations are formed once per comb and kept with it.
+
+    Attributes:
+        start: beginning, s.
+        rate: samples per second, Hz.
+        time: (samples,) s; phase: (samples, 3) rad; x: (samples, 7) m in the order of names.MESHES.
+    """
+
+    start: float
+    rate: float
+    time: Array
+    phase: Array
+    x: Array
+    _formed: dict[Comb, NormalSecond] = field(default_factory=dict)
+
+    def normal(self, comb: Comb) -> NormalSecond:
+        """The normal equations of this second for a comb."""
+        if comb not in self._formed:
+            if len(self._formed) > 1:  # the base comb and the refined one in use are enough
+                self._formed.pop(list(self._formed)[1])
+            self._formed[comb] = normal_second(self.time, self.phase, self.x, self.start, comb)
+        return self._formed[comb]
+
+
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """The outcome for a window.
+
+    Attributes:
+        fit: the fit with the comb that was settled on.
+        rho: stage -> residual over total variance, all its meshes together.
+        subharmonic: (stage number, n) that was accepted, None for none.
+        shares: stage -> share of its variance in that subharmonic's lines before the comb was rebuilt.
+    """
+
+    fit: LineFit
+    rho: dict[str, float]
+    subharmonic: Subharmonic | None
+    shares: dict[str, float]
+
+    def mesh_rho(self, mesh: str) -> float:
+        """Residual over total variance of one mesh; NaN without variance."""
+        channel = names.MESHES.index(mesh)
+        return _ratio(self.fit.residual[channel : channel + 1], self.fit.energy[channel : channel + 1])
+
+
+class LineExplainer:
+    """Fits windows of one gearbox.
+
+    Args:
+        ratios: (3,) mesh frequencies over that of stage I.
+    """
+
+    def __init__(self, ratios: Array) -> None:
+        self._ratios = ratios
+        self.base = combs.base(ratios)
+        self._refined: dict[Subharmonic, Comb] = {}
+
+    def explain(self, window: list[LineSecond]) -> Explained:
+        """Fit the base comb; where a subharmonic is found, fit again with the comb rebuilt on it."""
+        rate = window[-1].rate
+        first = fit([second.normal(self.base) for second in window], self.base, rate)
+        found = _best(first)
+        if found is None:
+            return Explained(first, _rho(first), None, dict.fromkeys(names.STAGES, 0.0))
+        if found not in self._refined:
+            self._refined[found] = combs.refined(self.base, self._ratios, found)
+        comb = self._refined[found]
+        second_fit = fit([second.normal(comb) for second in window], comb, rate)
+        return Explained(second_fit, _rho(second_fit), found, _by_stage(first, first.candidates[found]))
+
+
+def _best(first: LineFit) -> Subharmonic | None:
+    """The candidate that explains the largest part of rho in some stage, if it passes; 4 is tried where 2 passed."""
+    rho = _rho(first)
+    parts: dict[Subharmonic, float] = {}
+    for candidate, gain in first.candidates.items():
+        shares = _by_stage(first, gain)
+        passed = [shares[stage] / rho[stage] for stage in names.STAGES if shares[stage] > LEAST_SHARE and rho[stage] > 0]
+        parts[candidate] = max(passed, default=0.0)
+    best = max((c for c in parts if c[1] != 4), key=lambda c: parts[c])  # noqa: PLR2004
+    if parts[best] <= LEAST_PART:
+        return None
+    stage, divisor = best
+    if divisor == 2 and _adds_to_two(first, stage, rho):  # noqa: PLR2004
+        return stage, 4
+    return best
+
+
+def _adds_to_two(first: LineFit, stage: int, rho: dict[str, float]) -> bool:
+    """Whether quarters explain enough of what the halves leave."""
+    halves, quarters = _by_stage(first, first.candidates[stage, 2]), _by_stage(first, first.candidates[stage, 4])
+    left = {name: max(rho[name] - halves[name], 1e-12) for name in names.STAGES}
+    return any(quarters[name] > LEAST_SHARE and quarters[name] > LEAST_PART * left[name] for name in names.STAGES)
+
+
+def _by_stage(first: LineFit, gain: Array) -> dict[str, float]:
+    return {stage: _ratio(gain[c] * first.energy[c], first.energy[c], nothing=0.0) for stage, c in CHANNELS.items()}
+
+
+def _rho(done: LineFit) -> dict[str, float]:
+    return {stage: _ratio(done.residual[c], done.energy[c]) for stage, c in CHANNELS.items()}
+
+
+def _ratio(part: Array, whole: Array, nothing: float = float("nan")) -> float:
+    total = float(np.sum(whole))
+    return float(np.sum(part)) / total if total > 0.0 else nothing

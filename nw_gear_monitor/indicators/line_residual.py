@@ -1,0 +1,49 @@
+"""The residual of the line fit in the phase domain, strobed at a stage's own mesh period: input of tau and K."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from nw_gear_common.tables import Array
+from nw_gear_monitor.signals.hermite import crossings, interpolate
+from nw_gear_monitor.signals.linefit import LineFit
+from nw_gear_monitor.signals.normal import TREND_DEGREE, relative_time
+
+STROBES_PER_CYCLE = {"I": 16, "II": 4, "III": 2}
+"""Residual points per mesh cycle of the stage: about 400 to 650 a second at rated speed."""
+
+
+def line_residual(
+    done: LineFit, starts: Array, time: Array, phase: Array, own: Array, x: Array, v: Array, channel: int, per_cycle: int
+) -> Array:
+    """What the fitted lines and the slow trend leave of one mesh, at equal steps of mesh phase.
+
+    Args:
+        done: the fit of this window.
+        starts: (seconds,) beginnings of its seconds, s.
+        time: (samples,) s; phase: (samples, 3) rad of planet 1; x, v: (samples,) m, m/s of the mesh.
+        own: (samples,) mesh phase to strobe on, rad.
+        channel: number of the mesh.
+        per_cycle: points per cycle of `own`.
+
+    Returns:
+        (points,) m.
+    """
+    step = 2.0 * np.pi / per_cycle
+    targets = np.arange(np.ceil(own[0] / step), np.floor(own[-1] / step) + 1.0) * step
+    position = crossings(own, targets)
+    position = position[(position >= 0) & (position <= own.size - 1)]
+    value, _ = interpolate(position, x[:, None], v[:, None], (time[-1] - time[0]) / (time.size - 1))
+    samples = np.arange(time.size)
+    moments = np.interp(position, samples, time)
+    phases = np.column_stack([np.interp(position, samples, phase[:, stage]) for stage in range(3)])
+    which = np.clip(np.searchsorted(starts, moments, side="right") - 1, 0, starts.size - 1)
+    pieces = []
+    for second, start in enumerate(starts):
+        rows = which == second
+        tau = relative_time(moments[rows], start)
+        rest = value[rows, 0] - done.predict(second, phases[rows], tau, channel)
+        shapes, _ = np.linalg.qr(legendre.legvander(tau, TREND_DEGREE))
+        pieces.append(rest - shapes @ (shapes.T @ rest))
+    return np.concatenate(pieces)

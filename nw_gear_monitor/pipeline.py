@@ -1,0 +1,198 @@
+"""The whole monitor without ROS: blocks of the waveform in, results of every whole second out.
+
+The live node and the offline report use this one class. Results depend on the stamped samples alone: hops fall on whole
+seconds of the stamps and every number is computed afresh from its window, so that a replay gives what live gave.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nw_gear_common import names
+from nw_gear_common.quantities import quantity
+from nw_gear_common.tables import Array, Table
+from nw_gear_monitor.gearing import Gearing
+from nw_gear_monitor.indicators import registry
+from nw_gear_monitor.indicators.window import LineResult, MeshWindow
+from nw_gear_monitor.labelling import PHASE_COLUMNS, V_COLUMNS, X_COLUMNS, Labeller, StageReport
+from nw_gear_monitor.signals.history import History
+from nw_gear_monitor.signals.section import section
+from nw_gear_monitor.signals.spectrum import ORDER_CYCLES, amplitude_spectrum, order_spectrum, orders
+from nw_gear_monitor.signals.stream import Continuity, Second, Stream
+
+STANDSTILL = 0.01
+"""Share of rated speed under which the gearbox counts as not turning."""
+SECTION_MARGIN = 4
+"""Samples of the second before that serve the interpolation of the first section points."""
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Lengths of the monitor's windows; every hop is one second."""
+
+    spectrum_seconds: int = quantity(4, "window of spectra and time-domain indicators", "s", minimum=1, maximum=16)
+    label_seconds: int = quantity(16, "window of the state labels (from 8 s on a shorter one is used)", "s", minimum=8, maximum=64)
+    section_phase: float = quantity(0.0, "mesh phase of the Poincaré sections", "rad", minimum=-7.0, maximum=7.0)
+
+
+@dataclass(frozen=True)
+class BearingForce:
+    """Force of one bearing over a second, N: mean magnitude, rms of the magnitude about it, largest magnitude."""
+
+    mean: float
+    rms: float
+    peak: float
+
+
+@dataclass(frozen=True, eq=False)
+class Hop:
+    """What one second gave.
+
+    Attributes:
+        time: end of the second, s.
+        restarted: the second doesn't continue the one before (gap, restart): all windows began anew.
+        turning: whether the gearbox turns.
+        spectrum, orders: tables; None until their window is filled (`orders` also at standstill).
+        sections: stage -> table of its new points.
+        indicators: mesh -> table of one row.
+        stages: stage -> its state and evidence.
+        bearings: bearing -> its force, for those in the waveform.
+    """
+
+    time: float
+    restarted: bool
+    turning: bool
+    spectrum: Table | None
+    orders: Table | None
+    sections: dict[str, Table]
+    indicators: dict[str, Table]
+    stages: dict[str, StageReport]
+    bearings: dict[str, BearingForce]
+
+
+class Pipeline:
+    """The monitor of one gearbox.
+
+    Args:
+        gearing: frequency ratios, planet phases, rated speed.
+        windows: their lengths.
+    """
+
+    def __init__(self, gearing: Gearing, windows: Windows | None = None) -> None:
+        self._gearing = gearing
+        self._windows = windows if windows is not None else Windows()
+        self._stream = Stream()
+        self._history = History(max(self._windows.label_seconds, self._windows.spectrum_seconds) + 1)
+        self._labeller = Labeller(gearing, self._windows.label_seconds)
+
+    @property
+    def continuity(self) -> Continuity:
+        """Counters of gaps, restarts and malformed blocks."""
+        return self._stream.continuity
+
+    def reset(self) -> None:
+        """Flush every window; the counters stay."""
+        self._stream.reset()
+        self._history.clear()
+        self._labeller.flush("reset")
+
+    def feed(self, table: Table) -> list[Hop]:
+        """Take one block of the waveform in; returns a result for each second that it completed.
+
+        A block that can't be read is counted in `continuity` and dropped.
+        """
+        return [self._hop(second) for second in self._stream.feed(table)]
+
+    def _hop(self, second: Second) -> Hop:
+        restarted = self._history.append(second)
+        if restarted:
+            self._labeller.flush("the stream was interrupted")
+        turning = self._turns(second)
+        if turning:
+            stages, numbers = self._labeller.add(self._history)
+        else:
+            stages, numbers = self._labeller.flush("not turning"), {}
+        filled = len(self._history) >= self._windows.spectrum_seconds
+        return Hop(
+            time=second.start + 1.0,
+            restarted=restarted,
+            turning=turning,
+            spectrum=self._spectrum() if filled else None,
+            orders=self._orders() if filled and turning else None,
+            sections={stage: self._section(stage) for stage in names.STAGES} if turning else {},
+            indicators=self._indicators(second.start + 1.0, numbers, filled),
+            stages=stages,
+            bearings=_bearings(second),
+        )
+
+    def _turns(self, second: Second) -> bool:
+        phase = second.column(PHASE_COLUMNS[0])
+        frequency = (phase[-1] - phase[0]) * second.rate / (2.0 * np.pi * (phase.size - 1))
+        grows = all(bool(np.all(np.diff(second.column(name)) > 0)) for name in PHASE_COLUMNS)
+        return grows and bool(frequency > STANDSTILL * self._gearing.rated_frequency[0])
+
+    def _latest(self, columns: tuple[str, ...]) -> Array:
+        """The newest spectrum window: a fixed number of samples, however many fell into each second."""
+        seconds = self._windows.spectrum_seconds
+        return self._history.select(columns, seconds + 1)[-round(seconds * self._history.newest.rate) :]
+
+    def _spectrum(self) -> Table:
+        frequency, amplitude = amplitude_spectrum(self._latest(X_COLUMNS), self._history.newest.rate)
+        return Table(names.ROW_BIN, ("frequency", *names.MESHES), np.column_stack([frequency, amplitude]))
+
+    def _orders(self) -> Table | None:
+        grid = orders()
+        columns = [grid[:, None]]
+        rate = self._history.newest.rate
+        for index, stage in enumerate(names.STAGES):
+            meshes = names.MESHES_OF_STAGE[stage]
+            newest = self._history.newest.column(PHASE_COLUMNS[index])
+            frequency = (newest[-1] - newest[0]) * rate / (2.0 * np.pi * (newest.size - 1))
+            seconds = max(int(np.ceil(ORDER_CYCLES / frequency)) + 1, self._windows.spectrum_seconds)
+            wanted = (PHASE_COLUMNS[index], *(f"{axis}_{mesh}" for axis in ("x", "v") for mesh in meshes))
+            data = self._history.select(wanted, seconds)
+            if not np.all(np.diff(data[:, 0]) > 0):
+                return None
+            x, v = data[:, 1 : 1 + len(meshes)], data[:, 1 + len(meshes) :]
+            columns.append(order_spectrum(data[:, 0], x, v, 1.0 / rate))
+        return Table(names.ROW_ORDER, ("order", *names.MESHES), np.column_stack(columns))
+
+    def _section(self, stage: str) -> Table:
+        newest = self._history.newest
+        index = names.STAGES.index(stage)
+        data = self._history.select(("time", *PHASE_COLUMNS, *X_COLUMNS, *V_COLUMNS), 2)
+        rows = len(newest.data)
+        data = data[-(rows + SECTION_MARGIN) :]
+        low = 1.0 if len(data) > rows else 0.0
+        parts = []
+        for planet, mesh in enumerate(names.MESHES_OF_STAGE[stage], start=1):
+            channel = names.MESHES.index(mesh)
+            phase = data[:, 1 + index] + self._gearing.planet_phase[mesh]
+            x, v = data[:, 4 + channel], data[:, 4 + len(names.MESHES) + channel]
+            points = section(data[:, 0], phase, x, v, self._windows.section_phase, low, len(data) - 3.0)
+            parts.append(np.column_stack([points[:, 0], np.full(len(points), float(planet)), points[:, 1:]]))
+        merged = np.concatenate(parts)
+        return Table(names.ROW_POINT, names.SECTION_COLUMNS, merged[np.argsort(merged[:, 0], kind="stable")])
+
+    def _indicators(self, time: float, numbers: dict[str, LineResult], filled: bool) -> dict[str, Table]:
+        if not filled:
+            return {mesh: registry.evaluate(time, None) for mesh in names.MESHES}
+        data = self._latest((*PHASE_COLUMNS, *X_COLUMNS, *V_COLUMNS))
+        tables = {}
+        for channel, mesh in enumerate(names.MESHES):
+            phase = data[:, names.STAGES.index(names.STAGE_OF_MESH[mesh])] + self._gearing.planet_phase[mesh]
+            x, v = data[:, 3 + channel].copy(), data[:, 3 + len(names.MESHES) + channel].copy()
+            window = MeshWindow(mesh, self._history.newest.rate, phase, x, v, numbers.get(mesh))
+            tables[mesh] = registry.evaluate(time, window)
+        return tables
+
+
+def _bearings(second: Second) -> dict[str, BearingForce]:
+    forces = {}
+    for bearing in names.BEARINGS:
+        if f"fx_{bearing}" in second.columns and f"fy_{bearing}" in second.columns:
+            size = np.hypot(second.column(f"fx_{bearing}"), second.column(f"fy_{bearing}"))
+            forces[bearing] = BearingForce(float(size.mean()), float(size.std()), float(size.max()))
+    return forces

@@ -1,0 +1,48 @@
+"""Keeps the last whole seconds of one epoch and hands out contiguous windows of them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+
+from nw_gear_common.tables import Array
+from nw_gear_monitor.signals.stream import Second
+
+
+class History:
+    """The last `capacity` contiguous seconds."""
+
+    def __init__(self, capacity: int) -> None:
+        self._seconds: deque[Second] = deque(maxlen=capacity)
+
+    def __len__(self) -> int:
+        return len(self._seconds)
+
+    def append(self, second: Second) -> bool:
+        """Add a second; returns True where it doesn't continue the last one, so that everything older was dropped."""
+        last = self._seconds[-1] if self._seconds else None
+        broken = last is not None and (second.epoch != last.epoch or second.start != last.start + 1)
+        if broken:
+            self._seconds.clear()
+        self._seconds.append(second)
+        return broken
+
+    def clear(self) -> None:
+        """Drop everything."""
+        self._seconds.clear()
+
+    @property
+    def newest(self) -> Second:
+        """The latest second."""
+        return self._seconds[-1]
+
+    def last(self, seconds: int) -> list[Second]:
+        """The latest seconds, oldest first, at most `seconds` of them."""
+        return list(self._seconds)[-seconds:]
+
+    def select(self, columns: Sequence[str], seconds: int) -> Array:
+        """Named columns of the latest seconds, an array (samples, len(columns))."""
+        where = [self.newest.columns.index(name) for name in columns]
+        return np.concatenate([second.data[:, where] for second in self.last(seconds)])

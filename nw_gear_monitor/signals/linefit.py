@@ -1,0 +1,148 @@
+"""Least squares of expected lines over a window, from the normal equations of its seconds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from nw_gear_common.tables import Array
+from nw_gear_monitor.signals.comb import HIGHEST_FREQUENCY, Comb, Subharmonic, Twelfths, multiples, spaced
+from nw_gear_monitor.signals.modulation import Modulation, modulation
+from nw_gear_monitor.signals.normal import SHAPES, NormalSecond, design
+
+RIDGE = 1e-10
+"""Added to the diagonal of the scaled matrix: harmless next to any noise, keeps near-equal lines solvable."""
+NYQUIST_SHARE = 0.45
+
+
+@dataclass(frozen=True, eq=False)
+class LineFit:
+    """Lines fitted to a window.
+
+    Attributes:
+        comb: the comb whose lines were offered.
+        kept: (lines,) bool, the lines that this window can tell apart and that were fitted (candidates never are).
+        coefficients: (seconds, columns, channels): local coefficients for the columns of `normal.design`.
+        residual, energy: (channels,) sums of squares after the fit and before it, corrected for degrees of freedom (m^2).
+        candidates: (stage, divisor) -> (channels,) share of `energy` that these further lines would explain.
+        columns: number of fitted columns.
+        modulation: how amplitudes were allowed to change.
+        frequency: (lines,) mean frequencies (Hz).
+    """
+
+    comb: Comb
+    kept: np.typing.NDArray[np.bool_]
+    coefficients: Array
+    residual: Array
+    energy: Array
+    candidates: dict[Subharmonic, Array]
+    columns: int
+    modulation: Modulation
+    frequency: Array
+
+    def predict(self, second: int, phase: Array, tau: Array, channel: int) -> Array:
+        """Sum of the fitted lines at given phases (points, 3) and times tau (points,) of one second, shape (points,)."""
+        result: Array = design(phase, tau, self.comb) @ self.coefficients[second, :, channel]
+        return result
+
+
+def fit(seconds: list[NormalSecond], comb: Comb, rate: float) -> LineFit:
+    """Fit the lines of a comb to a window.
+
+    Args:
+        seconds: contiguous seconds formed with this comb, oldest first.
+        comb: the lines.
+        rate: samples per second of the fitted signal, Hz (for the highest line).
+    """
+    speeds = np.stack([second.rate for second in seconds])
+    levels = np.stack([second.level for second in seconds])
+    curves = modulation(speeds[:, :, 1], levels.mean(axis=2))
+    frequency = multiples(comb.lines) @ speeds.mean(axis=(0, 1)) / (2.0 * np.pi)
+    highest = min(HIGHEST_FREQUENCY, NYQUIST_SHARE * rate)
+    kept = spaced(frequency, 1.0 / len(seconds), highest)
+    gram, moment = _assemble(seconds, len(comb.modulated), curves)
+    energy = np.sum([second.energy for second in seconds], axis=0)
+    samples = sum(second.samples for second in seconds)
+    wanted, groups = _columns(comb, kept, curves.functions)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    gram, moment = gram * scale[:, None] * scale, moment * scale[:, None]
+    factor = cho_factor(gram[np.ix_(wanted, wanted)] + RIDGE * np.eye(wanted.size))
+    solution = cho_solve(factor, moment[wanted])
+    left = energy - np.sum(moment[wanted] * solution, axis=0)
+    freedom = max(samples - wanted.size, 1)
+    shares = _candidate_shares(gram, moment, wanted, groups, factor, solution, energy)
+    full = np.zeros_like(moment)
+    full[wanted] = solution * scale[wanted, None]
+    kept[len(comb.modulated) + len(comb.steady) :] = False
+    local = _local(full, len(comb.modulated), curves)
+    residual = np.maximum(left, 0.0) * samples / freedom
+    return LineFit(comb, kept, local, residual, energy, shares, wanted.size, curves, frequency)
+
+
+def _assemble(seconds: list[NormalSecond], lines: int, curves: Modulation) -> tuple[Array, Array]:
+    """Add the seconds up, with each modulated column's shapes turned into the window's functions."""
+    local = 2 * lines * SHAPES
+    wide = 2 * lines * curves.functions
+    others = seconds[0].gram.shape[0] - local
+    gram = np.zeros((wide + others, wide + others))
+    moment = np.zeros((wide + others, seconds[0].moment.shape[1]))
+    for second, shape_map in zip(seconds, curves.maps, strict=True):
+        mixed = np.einsum("ipc,pa->iac", second.gram[:local].reshape(2 * lines, SHAPES, -1), shape_map).reshape(wide, -1)
+        square = np.einsum("rjq,qb->rjb", mixed[:, :local].reshape(wide, 2 * lines, SHAPES), shape_map)
+        gram[:wide, :wide] += square.reshape(wide, wide)
+        gram[:wide, wide:] += mixed[:, local:]
+        gram[wide:, wide:] += second.gram[local:, local:]
+        part = np.einsum("ipc,pa->iac", second.moment[:local].reshape(2 * lines, SHAPES, -1), shape_map)
+        moment[:wide] += part.reshape(wide, -1)
+        moment[wide:] += second.moment[local:]
+    gram[wide:, :wide] = gram[:wide, wide:].T
+    return gram, moment
+
+
+def _columns(comb: Comb, kept: np.typing.NDArray[np.bool_], functions: int) -> tuple[np.typing.NDArray[np.intp], dict[Subharmonic, np.typing.NDArray[np.intp]]]:
+    """Columns of the fitted lines, and of each group of candidates, in the window's matrix."""
+    modulated, steady = len(comb.modulated), len(comb.steady)
+    wide = 2 * functions * modulated
+    first = np.flatnonzero(np.repeat(kept[:modulated], 2 * functions))
+    second = wide + np.flatnonzero(np.repeat(kept[modulated : modulated + steady], 2))
+    place: dict[Twelfths, int] = {line: i for i, line in enumerate(comb.candidate_lines)}
+    groups = {}
+    for name, lines in comb.candidates:
+        chosen = np.array([place[line] for line in lines if kept[modulated + steady + place[line]]], dtype=np.intp)
+        start = wide + 2 * steady + 2 * chosen
+        groups[name] = np.sort(np.concatenate([start, start + 1]))
+    return np.concatenate([first, second]), groups
+
+
+def _candidate_shares(
+    gram: Array,
+    moment: Array,
+    wanted: np.typing.NDArray[np.intp],
+    groups: dict[Subharmonic, np.typing.NDArray[np.intp]],
+    factor: tuple[Array, bool],
+    solution: Array,
+    energy: Array,
+) -> dict[Subharmonic, Array]:
+    """Share of the energy that each group would explain on top of the fit (block elimination)."""
+    shares = {}
+    for name, group in groups.items():
+        if group.size == 0:
+            shares[name] = np.zeros_like(energy)
+            continue
+        cross = gram[np.ix_(wanted, group)]
+        rest = gram[np.ix_(group, group)] - cross.T @ cho_solve(factor, cross) + RIDGE * np.eye(group.size)
+        load = moment[group] - cross.T @ solution
+        gain = np.sum(load * np.linalg.solve(rest, load), axis=0)
+        shares[name] = gain / np.maximum(energy, 1e-300)
+    return shares
+
+
+def _local(full: Array, lines: int, curves: Modulation) -> Array:
+    """Turn the window's coefficients into those of each second's columns."""
+    wide = 2 * lines * curves.functions
+    amplitude = full[:wide].reshape(2 * lines, curves.functions, -1)
+    shaped = np.einsum("bpa,iac->bipc", curves.maps, amplitude).reshape(len(curves.maps), 2 * lines * SHAPES, -1)
+    steady = np.broadcast_to(full[wide:], (len(curves.maps), *full[wide:].shape))
+    return np.concatenate([shaped, steady], axis=1)

@@ -1,0 +1,116 @@
+"""Normal equations of the line fit, one second at a time.
+
+One second gives A^T A, A^T x and x^T x, where A holds cosine and sine of every line of a comb. Windows add seconds up
+afresh at each hop; nothing runs on from hop to hop, so that no rounding piles up and a replay gives the same numbers.
+
+Two things are settled inside the second. A polynomial in time (degree 7) is projected out of A and x alike, which takes
+slow changes of load (below about 3 Hz) out of the fit and out of the total variance. The modulated lines get three columns each (times
+1, tau, (3 tau^2 - 1)/2 with tau from -1 to 1 over the second), from which a window composes any amplitude curve that is
+smooth on the scale of a second.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+from numpy.polynomial import legendre
+
+from nw_gear_common.tables import Array
+from nw_gear_monitor.signals.comb import PARTS, Comb, multiples
+
+SHAPES = 3
+TREND_DEGREE = 7
+RATE_DEGREE = 4
+NODES, WEIGHTS = legendre.leggauss(5)
+"""Where speed and load are known inside a second (tau), and the weights to integrate over it."""
+
+
+@dataclass(frozen=True, eq=False)
+class NormalSecond:
+    """One second's part of the normal equations.
+
+    Attributes:
+        gram: (columns, columns), A^T A without the trend.
+        moment: (columns, channels), A^T x (m).
+        energy: (channels,), x^T x without the trend (m^2).
+        samples: number of samples.
+        rate: (nodes, 3) mesh frequencies (rad/s) at NODES.
+        level: (nodes, channels) slow trend of x (m) at NODES.
+    """
+
+    gram: Array
+    moment: Array
+    energy: Array
+    samples: int
+    rate: Array
+    level: Array
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _design(phase: Array, tau: Array, lines: Array, modulated: int, out: Array) -> None:
+    steady = 2 * SHAPES * modulated
+    for row in range(phase.shape[0]):
+        t = tau[row]
+        square = 0.5 * (3.0 * t * t - 1.0)
+        for line in range(lines.shape[0]):
+            angle = lines[line, 0] * phase[row, 0] + lines[line, 1] * phase[row, 1] + lines[line, 2] * phase[row, 2]
+            c, s = np.cos(angle), np.sin(angle)
+            if line < modulated:
+                at = 2 * SHAPES * line
+                out[row, at], out[row, at + 1], out[row, at + 2] = c, c * t, c * square
+                out[row, at + 3], out[row, at + 4], out[row, at + 5] = s, s * t, s * square
+            else:
+                at = steady + 2 * (line - modulated)
+                out[row, at], out[row, at + 1] = c, s
+
+
+def design(phase: Array, tau: Array, comb: Comb) -> Array:
+    """Cosine and sine columns of a comb.
+
+    Args:
+        phase: (samples, 3) unwrapped mesh phases of planet 1, rad.
+        tau: (samples,) time within the second, -1 to 1.
+        comb: its modulated lines take 6 columns each (cosine and sine times three shapes), the others 2.
+
+    Returns:
+        (samples, columns).
+    """
+    lines = multiples(comb.lines)
+    modulated = len(comb.modulated)
+    out = np.empty((len(phase), 2 * SHAPES * modulated + 2 * (len(lines) - modulated)))
+    _design(np.mod(phase, 2.0 * np.pi * PARTS), tau, lines, modulated, out)
+    return out
+
+
+def relative_time(time: Array, start: float) -> Array:
+    """Time within a second as tau, -1 to 1."""
+    tau: Array = 2.0 * (time - start) - 1.0
+    return tau
+
+
+def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb) -> NormalSecond:
+    """Form one second's normal equations.
+
+    Args:
+        time: (samples,) s; phase: (samples, 3) rad; x: (samples, channels) m.
+        start: beginning of the second, s.
+        comb: the lines.
+    """
+    tau = relative_time(time, start)
+    columns = design(phase, tau, comb)
+    shapes = legendre.legvander(tau, TREND_DEGREE)
+    q, r = np.linalg.qr(shapes)
+    trend = q.T @ x
+    flat = x - q @ trend
+    overlap = q.T @ columns
+    slope = legendre.legder(legendre.legfit(tau, phase - phase[0], RATE_DEGREE), axis=0)
+    return NormalSecond(
+        gram=columns.T @ columns - overlap.T @ overlap,
+        moment=columns.T @ flat,
+        energy=np.sum(flat * flat, axis=0),
+        samples=len(time),
+        rate=2.0 * legendre.legval(NODES, slope).T,
+        level=legendre.legvander(NODES, TREND_DEGREE) @ np.linalg.solve(r, trend),
+    )

@@ -1,0 +1,231 @@
+"""Turns blocks of the waveform into whole seconds of contiguous samples; finds gaps by the time stamps, never bridges one.
+
+Everything downstream works on `Second` objects: all samples whose stamps lie in [k, k + 1) for a whole number k. What is
+computed is therefore a function of the stamped samples alone, not of how they were cut into messages or of wall time.
+A second that is not whole (start of a run at a fraction of a second, either side of a gap) is left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nw_gear_common import names
+from nw_gear_common.tables import Array, Table
+
+STEP_TOLERANCE = 0.5
+"""A stamp that is off by more than this share of a sample interval breaks the stream."""
+PHASE_TOLERANCE = 0.1
+"""A mesh phase whose step changes by more than this from one sample to the next (rad) breaks the stream."""
+RATE_ROUNDING = 1e-3
+"""A sample rate this close to a whole number (relative) is taken to be that number: stamps near the wall clock carry
+only 2.4e-7 s, 0.5 % of a block of two samples at 20 kHz, so that a measured rate needs rounding."""
+
+REQUIRED = ("time", *(f"phase_{stage}" for stage in names.STAGES))
+
+
+@dataclass(frozen=True, eq=False)
+class Second:
+    """All samples of one whole second.
+
+    Attributes:
+        start: the second, in seconds of the stamps.
+        epoch: number of the contiguous piece of the stream; windows never span two.
+        rate: samples per second (Hz).
+        columns: column names.
+        data: array (samples, columns), SI.
+    """
+
+    start: int
+    epoch: int
+    rate: float
+    columns: tuple[str, ...]
+    data: Array
+
+    def column(self, name: str) -> Array:
+        """Return one column, a view of shape (samples,)."""
+        return self.data[:, self.columns.index(name)]
+
+
+@dataclass
+class Continuity:
+    """What went wrong with the stream so far.
+
+    Attributes:
+        blocks: blocks accepted.
+        gaps, lost_seconds: stretches of missing samples and their total length (s).
+        restarts: jumps back in time, jumps of phase, changes of columns or rate: each starts a new epoch.
+        malformed, last_malformed: blocks dropped because they can't be read, and what was wrong with the last.
+        last_break: the latest gap or restart in words.
+    """
+
+    blocks: int = 0
+    gaps: int = 0
+    lost_seconds: float = 0.0
+    restarts: int = 0
+    malformed: int = 0
+    last_malformed: str = ""
+    last_break: str = ""
+
+
+class Stream:
+    """Collects blocks and gives out whole seconds."""
+
+    def __init__(self) -> None:
+        self.continuity = Continuity()
+        self.epoch = 0
+        self.columns: tuple[str, ...] = ()
+        self.rate = 0.0
+        self._pieces: list[Array] = []
+        self._tail: Array | None = None
+        self._needs_rate = True
+
+    def reset(self) -> None:
+        """Forget the samples and start a new epoch; the counters stay."""
+        self.epoch += 1
+        self._pieces = []
+        self._tail = None
+        self._needs_rate = True
+
+    def feed(self, table: Table) -> list[Second]:
+        """Take one block in and return the seconds that became whole with it, oldest first."""
+        problem = malformed(table)
+        if problem:
+            self.continuity.malformed += 1
+            self.continuity.last_malformed = problem
+            return []
+        self.continuity.blocks += 1
+        data = np.ascontiguousarray(table.data)
+        if table.columns != self.columns:
+            if self.columns:
+                self._restart("the columns changed")
+            self.columns = table.columns
+        if self._other_rate(data):
+            self._restart(f"the sample rate changed from {self.rate:g} Hz to {_rate(data):g} Hz")
+        seconds: list[Second] = []
+        for piece in self._split(data):
+            if piece is None:
+                self.reset()
+            else:
+                seconds += self._append(piece)
+        return seconds
+
+    def _other_rate(self, data: Array) -> bool:
+        if self._needs_rate or len(data) < 3 or not _contiguous(data[:, 0]):
+            return False
+        stamp_error = 2.0 * float(np.spacing(abs(data[-1, 0])))
+        return abs(_interval(data) * self.rate - 1.0) > RATE_ROUNDING + stamp_error * self.rate
+
+    def _split(self, data: Array) -> list[Array | None]:
+        """Cut a block where its samples are not contiguous (None), at its joint to the last block too; count the breaks."""
+        phases = [self.columns.index(name) for name in REQUIRED]
+        joined = data[:, phases] if self._tail is None else np.vstack([self._tail[:, phases], data[:, phases]])
+        offset = len(joined) - len(data)
+        interval = 1.0 / self.rate if not self._needs_rate else _interval(data)
+        steps = np.diff(joined[:, 0])
+        broken = np.abs(steps - interval) > STEP_TOLERANCE * interval
+        jumps = np.any(np.abs(np.diff(joined[:, 1:], n=2, axis=0)) > PHASE_TOLERANCE, axis=1) & ~broken[:-1]
+        jumps[1:] &= ~jumps[:-1]
+        broken[1:] |= jumps
+        pieces: list[Array | None] = []
+        start = 0
+        for joint in np.flatnonzero(broken):
+            row = joint + 1 - offset
+            if row < 0:
+                continue
+            if row > start:
+                pieces.append(data[start:row])
+            pieces.append(None)
+            self._count(steps[joint], interval, float(joined[joint + 1, 0]))
+            start = row
+        pieces.append(data[start:])
+        return pieces
+
+    def _append(self, piece: Array) -> list[Second]:
+        if self._needs_rate:
+            if len(piece) < 2:
+                return []
+            self.rate = _rate(piece)
+            self._needs_rate = False
+        self._pieces.append(piece)
+        both = piece if self._tail is None else np.vstack([self._tail, piece[-2:]])
+        self._tail = both[-2:].copy()
+        return self._cut()
+
+    def _cut(self) -> list[Second]:
+        """Give out every second whose last sample has arrived."""
+        half = 0.5 / self.rate
+        first = float(self._pieces[0][0, 0])
+        after_last = float(self._pieces[-1][-1, 0]) + 2.0 * half
+        if np.floor(after_last + half) <= np.floor(first + half):
+            return []
+        data = np.concatenate(self._pieces)
+        index = np.floor(data[:, 0] + half).astype(np.int64)
+        end = int(np.floor(after_last + half))
+        seconds = []
+        for start in range(int(index[0]), end):
+            rows = data[np.searchsorted(index, start) : np.searchsorted(index, start + 1)]
+            if rows[0, 0] - start < 1.5 / self.rate:
+                seconds.append(Second(start, self.epoch, self.rate, self.columns, rows))
+        rest = data[np.searchsorted(index, end) :]
+        self._pieces = [rest.copy()] if len(rest) else []
+        return seconds
+
+    def _count(self, step: float, interval: float, time: float) -> None:
+        if step > (1.0 + STEP_TOLERANCE) * interval:
+            self.continuity.gaps += 1
+            self.continuity.lost_seconds += step - interval
+            self.continuity.last_break = f"{step - interval:.4g} s missing before {time:.3f} s"
+        elif step < (1.0 - STEP_TOLERANCE) * interval:
+            self._note(f"time jumped back by {interval - step:.4g} s to {time:.3f} s")
+        else:
+            self._note(f"the mesh phase jumped at {time:.3f} s")
+
+    def _restart(self, reason: str) -> None:
+        self._note(reason)
+        self.reset()
+
+    def _note(self, reason: str) -> None:
+        self.continuity.restarts += 1
+        self.continuity.last_break = reason
+
+
+def malformed(table: Table) -> str:
+    """Say in words why a table can't be a block of the waveform; an empty text where it can."""
+    if table.row != names.ROW_SAMPLE:
+        return f"row meaning: expected {names.ROW_SAMPLE}, got {table.row or 'none'}"
+    wanted = (*REQUIRED, *(f"{axis}_{mesh}" for axis in ("x", "v") for mesh in names.MESHES))
+    missing = [name for name in wanted if name not in table.columns]
+    if missing:
+        return f"columns: expected {', '.join(wanted)}, got none named {', '.join(missing)}"
+    if len(set(table.columns)) != len(table.columns):
+        return "columns: expected different names, got a name twice"
+    if len(table) == 0:
+        return "rows: expected at least 1, got 0"
+    if not np.isfinite(table.data).all():
+        column = table.columns[int(np.argmin(np.isfinite(table.data).all(axis=0)))]
+        return f"values: expected finite numbers, got others in column {column}"
+    return ""
+
+
+def _interval(data: Array) -> float:
+    return float(np.median(np.diff(data[:, 0]))) if len(data) > 1 else np.inf
+
+
+def _contiguous(time: Array) -> bool:
+    steps = np.diff(time)
+    typical = float(np.median(steps))
+    return bool(typical > 0 and np.all(np.abs(steps - typical) < STEP_TOLERANCE * typical))
+
+
+def _rate(data: Array) -> float:
+    """Sample rate of the first contiguous run of rows (Hz), rounded to a whole number where it is close to one."""
+    steps = np.diff(data[:, 0])
+    typical = float(np.median(steps))
+    if typical <= 0:
+        return 1.0
+    regular = np.abs(steps - typical) < STEP_TOLERANCE * typical
+    measured = 1.0 / float(np.mean(steps[regular]))
+    whole = round(measured)
+    return float(whole) if whole and abs(measured / whole - 1.0) < RATE_ROUNDING else measured
