@@ -99,11 +99,11 @@ def check_value(place: str, value: Any, kind: Any, description: Quantity) -> Any
         return tuple(check_value(f"{place}[{i}]", item, member, description) for i, item in enumerate(value))
     wanted = description.expected(kind)
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value) if abs(value) <= sys.float_info.max else math.copysign(math.inf, value)
+        value = float(value) if abs(value) <= sys.float_info.max else math.inf
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise InputError(place, wanted, repr(value))
     if isinstance(value, int | float):
-        outside = not math.isfinite(value)
+        outside = isinstance(value, float) and not math.isfinite(value)
         outside |= description.minimum is not None and value < description.minimum
         outside |= description.maximum is not None and value > description.maximum
         if outside:
