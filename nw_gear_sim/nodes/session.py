@@ -8,6 +8,7 @@ import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.errors import InputError
+from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.rotor import Rotor
@@ -45,6 +46,7 @@ class Session:
         self.wind_driven = configuration.operation.drive == "wind"
         self._simulation: Simulation | None = None
         self._rotor: Rotor | None = None
+        self._drive = Drive(0.0, 0.0, 0.0, 0.0)
         self._wind = math.nan
         self._open = np.zeros(len(names.MESHES))
         self._back = np.zeros(len(names.MESHES))
@@ -63,12 +65,12 @@ class Session:
 
     def begin(self, wind: float | None) -> None:
         """Start from the initial state, at the operating point of this wind (m/s), or of the configuration."""
-        turbine = self._configuration.turbine
         if wind is None:
             self._rotor = None
-            self._drive = fixed_drive(self._configuration)
+            fixed = derive(self._configuration)
+            self._drive = Drive(fixed.ring_speed, fixed.ring_speed, fixed.input_torque, fixed.input_torque)
         else:
-            self._rotor = Rotor(turbine, wind)
+            self._rotor = Rotor(self._configuration.turbine, wind)
             self._drive = Drive(self._rotor.speed, self._rotor.speed, self._rotor.torque, self._rotor.torque)
             self._wind = wind
         self._simulation = Simulation(self._configuration, self._drive, **self._options)
