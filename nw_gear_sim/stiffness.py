@@ -1,7 +1,7 @@
 """Stiffness of a gear mesh and of a roller contact, from their geometry.
 
 ISO 6336-1 method B for the mean, the contact-length Fourier series for its variation, Palmgren's law for rollers.
-The standard's coefficients are quoted from memory of its text and checked against worked figures only.
+The standard's coefficients are quoted from memory, not checked against its text.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def tooth_stiffness(pair: PairGeometry, toothing: Toothing) -> float:
 
 
 def transverse_stiffness(pair: PairGeometry, toothing: Toothing) -> float:
-    """Return the mean mesh stiffness K_m = c' (0.75 eps_alpha + 0.25) B in N/m (ISO 6336-1 method B)."""
+    """Return the mean mesh stiffness K_m = c' (0.75 eps_alpha + 0.25) B in N/m (ISO 6336-1 method B, eps_alpha >= 1.2)."""
     return tooth_stiffness(pair, toothing) * (0.75 * pair.contact_ratio + 0.25) * pair.face_width
 
 

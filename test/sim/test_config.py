@@ -251,3 +251,15 @@ def test_with_values_keeps_the_rest() -> None:
     changed = config.with_values({"mesh.I.backlash": 45e-6, "ring.segments": 24}, CONFIGURATION)
     assert changed.ring.segments == 24
     assert config.with_values({"mesh.I.backlash": 55e-6, "ring.segments": 100}, changed) == CONFIGURATION
+
+
+@pytest.mark.parametrize(("stage", "diameter", "module", "grade"), [
+    ("I", 91 * 28 / math.cos(math.radians(4)), 28, 6),
+    ("II", 83 * 16 / math.cos(math.radians(7.2)), 16, 5),
+    ("III", 131 * 10 / math.cos(math.radians(32)), 10, 5),
+])  # fmt: skip
+def test_transmission_error_is_half_the_pitch_deviation(stage: str, diameter: float, module: float, grade: int) -> None:
+    """f_pT = (0.001 d + 0.4 m_n + 5) sqrt(2)^(A - 5) um (ISO 1328-1:2013) of the stage's larger gear; d, m_n in mm."""
+    deviation = (0.001 * diameter + 0.4 * module + 5) * math.sqrt(2) ** (grade - 5)
+    amplitude = getattr(CONFIGURATION.mesh, stage).error_amplitude
+    assert amplitude * 1e6 == pytest.approx(deviation / 2, abs=0.06)
