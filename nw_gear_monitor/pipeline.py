@@ -98,6 +98,11 @@ class Pipeline:
         self._history.clear()
         self._labeller.flush("reset")
 
+    def reject(self, reason: str) -> None:
+        """Count a block that could not even be turned into a table."""
+        self._stream.continuity.malformed += 1
+        self._stream.continuity.last_malformed = reason
+
     def feed(self, table: Table) -> list[Hop]:
         """Take one block of the waveform in; returns a result for each second that it completed.
 

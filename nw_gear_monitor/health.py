@@ -1,0 +1,119 @@
+"""What the monitor says about stages, bearings, the stream and itself: level, label, reason and values (pure)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from nw_gear_common import names
+from nw_gear_monitor.labelling import StageReport
+from nw_gear_monitor.pipeline import BearingForce, Hop
+from nw_gear_monitor.signals.stream import Continuity
+from nw_gear_monitor.stage_state import Evidence
+
+OK, WARN, ERROR, STALE = range(4)
+"""Levels of diagnostic_msgs/DiagnosticStatus."""
+
+
+@dataclass(frozen=True)
+class Status:
+    """One entry of `/diagnostics`.
+
+    Attributes:
+        name: what it is about, for instance `stage II`.
+        level: OK, WARN, ERROR or STALE.
+        label: state label, "" where the entry is about no state.
+        reason: the rest of the message.
+        values: further values; keys carry their unit.
+    """
+
+    name: str
+    level: int
+    label: str
+    reason: str
+    values: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def message(self) -> str:
+        """`<label>: <reason>`, or the reason alone."""
+        return f"{self.label}: {self.reason}" if self.label else self.reason
+
+    @property
+    def pairs(self) -> dict[str, str]:
+        """The values with the label as `state` first."""
+        return {"state": self.label, **self.values} if self.label else self.values
+
+
+def level_of(label: str) -> int:
+    """WARN for motion that separates tooth flanks or repeats irregularly, STALE for silence, else OK."""
+    if label == names.STALE:
+        return STALE
+    return WARN if label == names.CHAOTIC or label in names.PERIODS[1:] else OK
+
+
+def stage_statuses(hop: Hop) -> list[Status]:
+    """One entry per stage and per bearing."""
+    stages = [_stage(stage, report, hop) for stage, report in hop.stages.items()]
+    return stages + [_bearing(bearing, force) for bearing, force in hop.bearings.items()]
+
+
+def stale(statuses: list[Status], silent_seconds: float) -> list[Status]:
+    """The same entries after the samples stopped."""
+    reason = f"no samples for {silent_seconds:.0f} s"
+    return [replace(s, level=STALE, label=names.STALE, reason=reason, values={}) for s in statuses]
+
+
+def waiting(topic: str) -> list[Status]:
+    """The entries of the stages before the first second."""
+    return [Status(f"stage {s}", OK, names.UNKNOWN, f"no whole second of {topic} yet") for s in names.STAGES]
+
+
+def stream_status(now: Continuity, before: Continuity) -> Status:
+    """The waveform's gaps, restarts and malformed blocks; WARN when there were new ones since `before`."""
+    news = []
+    if now.gaps > before.gaps or now.restarts > before.restarts:
+        news.append(now.last_break)
+    if now.malformed > before.malformed:
+        news.append(f"dropped {now.malformed - before.malformed} malformed block(s), the last: {now.last_malformed}")
+    values = {
+        "blocks (1)": str(now.blocks),
+        "gaps (1)": str(now.gaps),
+        "lost (s)": f"{now.lost_seconds:.6g}",
+        "restarts (1)": str(now.restarts),
+        "malformed blocks (1)": str(now.malformed),
+        "last break": now.last_break,
+        "last malformed": now.last_malformed,
+    }
+    return Status("stream", WARN if news else OK, "", "; ".join(news) or "contiguous", values)
+
+
+def _stage(stage: str, report: StageReport, hop: Hop) -> Status:
+    values = {} if report.evidence is None else _values(report.evidence)
+    values["state of this window"] = report.window_state.label
+    for mesh in names.MESHES_OF_STAGE[stage]:
+        rms = hop.indicators[mesh].column("rms")[0]
+        values[f"rms {mesh} (m)"] = f"{rms:.4g}"
+    return Status(f"stage {stage}", level_of(report.state.label), report.state.label, report.state.reason, values)
+
+
+def _values(e: Evidence) -> dict[str, str]:
+    found = f"f_{e.subharmonic_stage}/{e.subharmonic_order}" if e.subharmonic_stage else "none"
+    return {
+        "window (s)": str(e.seconds),
+        "rho (1)": f"{e.rho:.4g}",
+        "tau (1)": f"{e.tau:.4g}",
+        "K (1)": f"{e.k:.4g}",
+        "subharmonic": found,
+        "subharmonic order (1)": str(e.subharmonic_order),
+        "subharmonic share (1)": f"{e.subharmonic_share:.4g}",
+        "strongest unlisted order (1)": f"{e.unlisted_order:.5g}",
+        "lines used (1)": str(e.lines),
+        "speed spread (1)": f"{e.speed_spread:.4g}",
+        "load spread (1)": f"{e.load_spread:.4g}",
+        "deviation (m)": f"{e.deviation:.4g}",
+    }
+
+
+def _bearing(bearing: str, force: BearingForce) -> Status:
+    values = {"mean (N)": f"{force.mean:.6g}", "rms (N)": f"{force.rms:.6g}", "peak (N)": f"{force.peak:.6g}"}
+    reason = f"force {force.mean / 1e3:.4g} kN; bearings get no state label yet"
+    return Status(f"bearing {bearing}", OK, names.UNKNOWN, reason, values)

@@ -1,0 +1,52 @@
+"""Turns what the monitor found into the messages of the contract."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+from std_msgs.msg import Float64MultiArray
+
+from nw_gear_common import names
+from nw_gear_common.ros import live_qos, to_message, to_stamp
+from nw_gear_monitor.health import Status
+from nw_gear_monitor.pipeline import Hop
+
+DEPTH = 20
+LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
+
+
+class Publishing:
+    """The publishers of the monitor."""
+
+    def __init__(self, node: Node) -> None:
+        topics = [names.SPECTRUM, names.ORDERS]
+        topics += [names.section_topic(stage) for stage in names.STAGES]
+        topics += [names.indicators_topic(mesh) for mesh in names.MESHES]
+        self._node = node
+        self._tables = {topic: node.create_publisher(Float64MultiArray, topic, live_qos(DEPTH)) for topic in topics}
+        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, live_qos(DEPTH))
+
+    def tables(self, hop: Hop) -> None:
+        """Publish the tables of one second."""
+        tables = {names.SPECTRUM: hop.spectrum, names.ORDERS: hop.orders}
+        tables |= {names.section_topic(stage): table for stage, table in hop.sections.items() if len(table)}
+        tables |= {names.indicators_topic(mesh): table for mesh, table in hop.indicators.items()}
+        for topic, table in tables.items():
+            if table is not None:
+                self._tables[topic].publish(to_message(table))
+
+    def diagnostics(self, statuses: list[Status], stamp: float) -> None:
+        """Publish statuses; `stamp` in seconds of ROS time."""
+        message = DiagnosticArray()
+        message.header.stamp = to_stamp(stamp)
+        message.status = [self._status(status) for status in statuses]
+        self._diagnostics.publish(message)
+
+    def _status(self, status: Status) -> DiagnosticStatus:
+        message = DiagnosticStatus()
+        message.level = LEVELS[status.level]
+        message.name = f"{self._node.get_name()}: {status.name}"
+        message.message = status.message
+        message.hardware_id = self._node.get_namespace()
+        message.values = [KeyValue(key=key, value=value) for key, value in status.pairs.items()]
+        return message
