@@ -29,6 +29,7 @@ setup(
         "nw_gear_monitor.indicators",
         "nw_gear_monitor.records",
         "nw_gear_monitor.review",
+        "nw_gear_monitor.review.figures",
         "nw_gear_monitor.nodes",
     ],
     data_files=[

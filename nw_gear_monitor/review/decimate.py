@@ -1,0 +1,186 @@
+"""Streaming reduction of long signals: min/max envelopes over time, the last seconds in full, max-pooled maps.
+
+Every class here takes blocks as they come and needs memory that doesn't grow with the length of the recording.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from nw_gear_common.tables import Array
+
+FIRST_WIDTH = 2.0**-10
+"""Width of the first bins (s); a power of two, so that halving and doubling stay exact."""
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """What is left of several signals on a common time base.
+
+    Attributes:
+        channels: names, in the order of the columns.
+        time: centre of each bin (s), shape (bins,), ascending, empty bins left out.
+        low, high: exact minimum and maximum in the bin, shape (bins, channels).
+        mean: mean of the samples in the bin, shape (bins, channels).
+        width: width of a bin (s).
+    """
+
+    channels: tuple[str, ...]
+    time: Array
+    low: Array
+    high: Array
+    mean: Array
+    width: float
+
+    def select(self, channels: tuple[str, ...]) -> Band:
+        """The same band with some of its channels."""
+        columns = [self.channels.index(c) for c in channels]
+        return Band(channels, self.time, self.low[:, columns], self.high[:, columns], self.mean[:, columns], self.width)
+
+    def with_breaks(self, longest: float) -> Band:
+        """Put a row of NaN wherever neighbouring bins are further apart than `longest` (s), so that no line bridges a gap."""
+        after = np.flatnonzero(np.diff(self.time) > longest) + 1
+        if not after.size:
+            return self
+        middle = 0.5 * (self.time[after - 1] + self.time[after])
+        low, high, mean = (np.insert(part, after, np.nan, axis=0) for part in (self.low, self.high, self.mean))
+        return Band(self.channels, np.insert(self.time, after, middle), low, high, mean, self.width)
+
+
+class Envelope:
+    """Minimum, maximum and mean in equal bins of time; the bins double in width when they become too many.
+
+    Args:
+        channels: names of the signals.
+        bins: largest number of bins, even.
+    """
+
+    def __init__(self, channels: tuple[str, ...], bins: int = 2048) -> None:
+        self.channels = channels
+        self._bins = bins
+        self._width = FIRST_WIDTH
+        self._origin: float | None = None
+        self._low = np.full((bins, len(channels)), np.inf)
+        self._high = np.full((bins, len(channels)), -np.inf)
+        self._sum = np.zeros((bins, len(channels)))
+        self._count = np.zeros(bins)
+
+    def add(self, time: Array, values: Array) -> None:
+        """Take samples: time (n,) in s, ascending and not before the first of all; values (n, channels). NaN rows are left out."""
+        good = np.isfinite(values).all(axis=1)
+        if not good.all():
+            time, values = time[good], values[good]
+        if not len(time):
+            return
+        if self._origin is None:
+            self._origin = float(time[0])
+        while (time[-1] - self._origin) / self._width >= self._bins:
+            self._double()
+        index = np.floor((time - self._origin) / self._width).astype(np.int64)
+        starts = np.flatnonzero(np.diff(index, prepend=-1))
+        at = index[starts]
+        self._low[at] = np.minimum(self._low[at], np.minimum.reduceat(values, starts, axis=0))
+        self._high[at] = np.maximum(self._high[at], np.maximum.reduceat(values, starts, axis=0))
+        self._sum[at] += np.add.reduceat(values, starts, axis=0)
+        self._count[at] += np.diff(np.append(starts, len(index)))
+
+    def _double(self) -> None:
+        half = self._bins // 2
+        for array, merge, empty in (
+            (self._low, np.minimum, np.inf),
+            (self._high, np.maximum, -np.inf),
+            (self._sum, np.add, 0.0),
+            (self._count, np.add, 0.0),
+        ):
+            array[:half] = merge(array[0::2], array[1::2])
+            array[half:] = empty
+        self._width *= 2.0
+
+    def result(self) -> Band | None:
+        """What was collected up to now, None where nothing came."""
+        if self._origin is None:
+            return None
+        used = np.flatnonzero(self._count)
+        time = self._origin + (used + 0.5) * self._width
+        mean = self._sum[used] / self._count[used, None]
+        return Band(self.channels, time, self._low[used], self._high[used], mean, self._width)
+
+
+class Tail:
+    """The last seconds of a table of samples, at full resolution.
+
+    Args:
+        seconds: how much to keep at least, where there is as much.
+        time_column: index of the column of time.
+    """
+
+    def __init__(self, seconds: float, time_column: int = 0) -> None:
+        self._seconds = seconds
+        self._column = time_column
+        self._blocks: deque[Array] = deque()
+
+    def add(self, block: Array) -> None:
+        """Take rows of shape (n, columns), later than all before."""
+        if not len(block):
+            return
+        self._blocks.append(block)
+        newest = block[-1, self._column]
+        while newest - self._blocks[0][-1, self._column] > self._seconds:
+            self._blocks.popleft()
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._blocks.clear()
+
+    def result(self) -> Array | None:
+        """The rows of the last seconds, None where nothing came."""
+        if not self._blocks:
+            return None
+        rows = np.concatenate(self._blocks)
+        return rows[rows[:, self._column] >= rows[-1, self._column] - self._seconds]
+
+
+class Waterfall:
+    """A map of spectra over time, thinned by maxima: neighbouring rows are merged when they become too many.
+
+    Args:
+        rows: largest number of rows, even.
+    """
+
+    def __init__(self, rows: int = 600) -> None:
+        self._limit = rows
+        self._merge = 1
+        self._pending: list[tuple[float, Array]] = []
+        self._rows: list[tuple[float, Array]] = []
+
+    def add(self, time: float, amplitude: Array) -> None:
+        """Take one spectrum (any shape, the same every time) at a time (s)."""
+        self._pending.append((time, amplitude))
+        if len(self._pending) < self._merge:
+            return
+        self._rows.append(_merged(self._pending))
+        self._pending = []
+        if len(self._rows) >= self._limit:
+            self._rows = [_merged(self._rows[i : i + 2]) for i in range(0, len(self._rows), 2)]
+            self._merge *= 2
+
+    def result(self) -> tuple[Array, Array] | None:
+        """Times (rows,) and the map (rows, ...) of maxima, None where nothing came."""
+        rows = self._rows + ([_merged(self._pending)] if self._pending else [])
+        if not rows:
+            return None
+        return np.array([time for time, _ in rows]), np.stack([amplitude for _, amplitude in rows])
+
+
+def _merged(rows: list[tuple[float, Array]]) -> tuple[float, Array]:
+    return rows[0][0], np.maximum.reduce([amplitude for _, amplitude in rows])
+
+
+def pool(values: Array, factor: int) -> Array:
+    """Maximum over groups of neighbouring rows: (n, ...) becomes (ceil(n / factor), ...)."""
+    if factor <= 1:
+        return values
+    return np.maximum.reduceat(values, np.arange(0, len(values), factor), axis=0)

@@ -1,0 +1,70 @@
+"""Spectra over time as a map: how lines move with speed and when others appear."""
+
+from __future__ import annotations
+
+import numpy as np
+from bokeh.models import ColorBar, FixedTicker, LinearColorMapper, Range1d
+from bokeh.palettes import Cividis256
+from bokeh.plotting import figure
+
+from nw_gear_common import names
+from nw_gear_monitor.review.decimate import pool
+from nw_gear_monitor.review.figures import style
+from nw_gear_monitor.review.rundata import RunData
+
+MICRO = 1e6
+ROWS = 480
+DECADES = 4.0
+HIGHEST = {"I": 400.0, "II": 800.0, "III": 1600.0}
+
+
+def waterfall(run: RunData, stage: str, time_range: Range1d) -> figure | None:
+    """Amplitude over time and frequency, the largest of the stage's meshes, with its mesh frequency as a line."""
+    spectra = run.spectra
+    if spectra is None or len(spectra.times) < 2:
+        return None
+    stages = [s for s in names.STAGES if any(names.STAGE_OF_MESH[m] == s for m in spectra.meshes)]
+    if stage not in stages:
+        return None
+    highest = min(HIGHEST[stage], float(spectra.axis[-1]))
+    shown = spectra.axis <= highest
+    factor = max(1, int(shown.sum()) // ROWS)
+    levels = MICRO * pool(spectra.waterfall[:, shown, stages.index(stage)].T.astype(np.float64), factor)
+    top = float(np.ceil(np.log10(max(float(levels.max()), 1e-5))))
+    image = np.clip(np.log10(np.maximum(levels, 1e-12)), top - DECADES, top).astype(np.float32)
+    hop = float(np.median(np.diff(spectra.times)))
+    title = f"Stage {stage}: amplitude (µm) over time; dotted: mesh frequency f_{stage}"
+    fig = style.time_figure(title, "Frequency (Hz)", time_range, height=280)
+    fig.y_range = Range1d(0.0, highest)
+    fig.grid.visible = False
+    mapper = LinearColorMapper(palette=Cividis256, low=top - DECADES, high=top)
+    for begin, end in _stretches(spectra.times, hop):
+        fig.image(
+            [image[:, begin:end]],
+            x=float(spectra.times[begin]) - run.start - hop,
+            y=0.0,
+            dw=hop * (end - begin),
+            dh=highest,
+            color_mapper=mapper,
+        )
+    exponents = list(range(int(top - DECADES), int(top) + 1))
+    bar = ColorBar(
+        color_mapper=mapper,
+        ticker=FixedTicker(ticks=exponents),
+        major_label_overrides={e: f"{10.0**e:g}" for e in exponents},
+        width=10,
+        major_label_text_font_size="10px",
+    )
+    fig.add_layout(bar, "right")
+    if run.waveform is not None:
+        band = run.waveform.mesh_frequency
+        frequency = band.mean[:, band.channels.index(stage)]
+        fig.line(style.small(band.time - run.start), style.small(frequency), line_color="white", line_dash="dotted")
+    return fig
+
+
+def _stretches(times: np.ndarray[tuple[int], np.dtype[np.float64]], hop: float) -> list[tuple[int, int]]:
+    """Runs of columns without a missing message in between."""
+    cuts = np.flatnonzero(np.diff(times) > 1.5 * hop) + 1
+    edges = [0, *cuts.tolist(), len(times)]
+    return list(zip(edges[:-1], edges[1:], strict=True))

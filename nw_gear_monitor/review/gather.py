@@ -1,0 +1,212 @@
+"""Gathers what the report shows from the messages of a recording, in one pass and with bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nw_gear_common import names
+from nw_gear_common.tables import Table
+from nw_gear_monitor.review.collect import (
+    SECTION_SECONDS,
+    DiagnosticsCollector,
+    RowsCollector,
+    Series,
+    SpectraCollector,
+    WaveformCollector,
+)
+from nw_gear_monitor.review.decimate import Tail
+from nw_gear_monitor.review.rundata import RunData
+
+BACKWARD = 0.5
+"""Seconds by which the waveform must step back to count as a restart of the run."""
+
+
+def _stamp(message: Any) -> float:
+    stamp = message.header.stamp
+    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
+
+
+class Gatherer:
+    """Sorts messages, by topic relative to the suite's namespace, into collectors.
+
+    The run that the report shows is the last one in the recording: a waveform that steps back in time (reset, restart)
+    starts over, and a remark says so.
+    """
+
+    def __init__(self) -> None:
+        self.remarks: list[str] = []
+        self._restarts = 0
+        self._fresh()
+        self._handlers: dict[str, Callable[[float, Any], None]] = {
+            names.WIND_SPEED: self._wind_speed,
+            names.SHAFTS_TOPIC: self._shafts,
+            names.MESH_TOPIC: self._mesh,
+            names.TRUTH: self._truth,
+            names.DIAGNOSTICS: self._diagnostics,
+            **{names.bearing_topic(b): self._bearing(i) for i, b in enumerate(names.BEARINGS)},
+        }
+        self._table_handlers: dict[str, Callable[[float, Table], None]] = {
+            names.WAVEFORM: self._samples,
+            names.SPECTRUM: self._spectrum,
+            names.ORDERS: self._orders,
+            **{names.section_topic(s): self._section(s) for s in names.STAGES},
+            **{names.indicators_topic(m): self._indicators(m) for m in names.MESHES},
+        }
+
+    @property
+    def message_topics(self) -> frozenset[str]:
+        """Relative topics that are wanted as messages."""
+        return frozenset(self._handlers)
+
+    @property
+    def table_topics(self) -> frozenset[str]:
+        """Relative topics that are wanted as tables."""
+        return frozenset(self._table_handlers)
+
+    def _fresh(self) -> None:
+        self._first, self._last = np.inf, -np.inf
+        self._wind = Series(("wind",))
+        self._speed, self._torque = Series(names.SHAFTS), Series(names.SHAFTS)
+        self._mesh_force = Series(names.MESHES)
+        self._radial = {b: Series((b,)) for b in names.BEARINGS}
+        self._axial = {b: Series((b,)) for b in names.BEARINGS}
+        self._waveform: WaveformCollector | None = None
+        self._spectra: dict[str, SpectraCollector] = {}
+        self._sections = {s: Tail(SECTION_SECONDS) for s in names.STAGES}
+        self._rows: dict[str, RowsCollector] = {}
+        self._states = DiagnosticsCollector()
+        self._truth_values: dict[str, str] = {}
+        self._truth_message = ""
+
+    def message(self, topic: str, log_time: float, message: Any) -> None:
+        """Take a decoded message of one of `message_topics`; `log_time` in s."""
+        self._handlers[topic](log_time, message)
+
+    def table(self, topic: str, log_time: float, table: Table) -> None:
+        """Take a table of one of `table_topics`; `log_time` in s."""
+        if len(table):
+            self._table_handlers[topic](log_time, table)
+
+    # --- one handler per topic ----------------------------------------------------------------------------------------
+
+    def _seen(self, first: float, last: float) -> None:
+        self._first, self._last = min(self._first, first), max(self._last, last)
+
+    def _wind_speed(self, _log_time: float, message: Any) -> None:
+        self._wind.add(_stamp(message), [message.vector.x])
+
+    def _shafts(self, _log_time: float, message: Any) -> None:
+        time = _stamp(message)
+        self._seen(time, time)
+        self._speed.add(time, list(message.velocity))
+        self._torque.add(time, list(message.effort))
+
+    def _mesh(self, _log_time: float, message: Any) -> None:
+        self._mesh_force.add(_stamp(message), list(message.effort))
+
+    def _bearing(self, index: int) -> Callable[[float, Any], None]:
+        bearing = names.BEARINGS[index]
+
+        def take(_log_time: float, message: Any) -> None:
+            force, time = message.wrench.force, _stamp(message)
+            self._radial[bearing].add(time, [float(np.hypot(force.x, force.y))])
+            self._axial[bearing].add(time, [force.z])
+
+        return take
+
+    def _truth(self, _log_time: float, message: Any) -> None:
+        self._truth_values = {pair.key: pair.value for pair in message.values}
+        self._truth_message = message.message
+
+    def _diagnostics(self, _log_time: float, message: Any) -> None:
+        self._states.add(_stamp(message), message)
+
+    def _samples(self, _log_time: float, table: Table) -> None:
+        time = table.column("time")
+        if self._waveform is not None and time[0] < self._waveform.last - BACKWARD:
+            self._restarts += 1
+            self._fresh()
+        if self._waveform is None or self._waveform.columns != table.columns:
+            self._waveform = WaveformCollector(table.columns)
+        if time[0] > self._waveform.last:
+            self._seen(float(time[0]), float(time[-1]))
+            self._waveform.add(table.data)
+
+    def _moment(self, log_time: float) -> float:
+        """When a spectrum was made: it carries no time of its own, but follows the samples it was made of."""
+        return self._waveform.last if self._waveform is not None and np.isfinite(self._waveform.last) else log_time
+
+    def _spectrum(self, log_time: float, table: Table) -> None:
+        self._spectra.setdefault(names.SPECTRUM, SpectraCollector(table.columns)).add(self._moment(log_time), table.data)
+
+    def _orders(self, log_time: float, table: Table) -> None:
+        self._spectra.setdefault(names.ORDERS, SpectraCollector(table.columns)).add(self._moment(log_time), table.data)
+
+    def _section(self, stage: str) -> Callable[[float, Table], None]:
+        def take(_log_time: float, table: Table) -> None:
+            points = table.select(names.SECTION_COLUMNS)
+            self._sections[stage].add(points[np.argsort(points[:, 0], kind="stable")])
+
+        return take
+
+    def _indicators(self, mesh: str) -> Callable[[float, Table], None]:
+        def take(_log_time: float, table: Table) -> None:
+            if mesh not in self._rows or self._rows[mesh].columns != table.columns:
+                self._rows[mesh] = RowsCollector(table.columns)
+            self._rows[mesh].add(table.data)
+
+        return take
+
+    # --- the result ---------------------------------------------------------------------------------------------------
+
+    def result(
+        self,
+        source: Path,
+        complete: bool,
+        bounds: tuple[float, float],
+        topics: Mapping[str, tuple[str, int]],
+        provenance: Mapping[str, Mapping[str, str]],
+    ) -> RunData:
+        """What was gathered.
+
+        Args:
+            source: the recording's folder.
+            complete: whether the recording was healthy.
+            bounds: first and last log time (s), for recordings without stamps to go by.
+            topics: name to (type, count).
+            provenance: metadata of the recording.
+        """
+        if self._restarts:
+            self.remarks.append(f"The run was restarted {self._restarts} time(s) while recording; the report shows the last run.")
+        stamped = np.isfinite(self._first)
+        wave = self._waveform.result() if self._waveform is not None else None
+        spectra = {topic: collector.result() for topic, collector in self._spectra.items()}
+        sections = {stage: tail.result() for stage, tail in self._sections.items()}
+        return RunData(
+            source=source,
+            complete=complete,
+            remarks=tuple(self.remarks),
+            start=self._first if stamped else bounds[0],
+            end=self._last if stamped else bounds[1],
+            topics=topics,
+            provenance=provenance,
+            wind=self._wind.result(),
+            speed=self._speed.result(),
+            torque=self._torque.result(),
+            mesh_force=self._mesh_force.result(),
+            bearing_radial={b: band for b, s in self._radial.items() if (band := s.result()) is not None},
+            bearing_axial={b: band for b, s in self._axial.items() if (band := s.result()) is not None},
+            waveform=wave,
+            spectra=spectra.get(names.SPECTRUM),
+            orders=spectra.get(names.ORDERS),
+            sections={stage: points for stage, points in sections.items() if points is not None},
+            indicators={mesh: rows.result() for mesh, rows in sorted(self._rows.items())},
+            spans=self._states.result(),
+            values=self._states.values,
+            truth=self._truth_values,
+            truth_message=self._truth_message,
+        )

@@ -1,0 +1,79 @@
+"""Puts summary, figures and tables into one self-contained HTML page."""
+
+from __future__ import annotations
+
+import jinja2
+from bokeh.embed import components
+from bokeh.resources import Resources
+from markupsafe import Markup
+
+import nw_gear_common
+from nw_gear_monitor.review import measured, sections, summary, template
+from nw_gear_monitor.review.figures import style
+from nw_gear_monitor.review.rundata import RunData
+
+
+def render(run: RunData) -> str:
+    """The report as one HTML text that loads nothing from elsewhere.
+
+    Where the wind came from a file that is still there, the measured wind is read again and shown beside what was used.
+    """
+    numbers = summary.summarise(run)
+    parts = sections.build(run, numbers, *measured.find(run))
+    models = {name: model for part in parts for name, model in part.figures.items()}
+    script, divs = components(models, wrap_script=True) if models else ("", {})
+    environment = jinja2.Environment(
+        autoescape=True,
+        trim_blocks=True,
+        undefined=jinja2.StrictUndefined,
+        loader=jinja2.DictLoader({"page": template.PAGE, "summary": template.SUMMARY, "table": template.TABLE}),
+    )
+    worst = numbers.worst
+    return environment.get_template("page").render(
+        title=f"Gearbox run {_name(run)}",
+        subtitle=f"{summary.when(run)} · {run.duration:.1f} s",
+        style=Markup(template.STYLE),
+        resources=Markup(Resources(mode="inline", components=["bokeh"]).render()),
+        sections=parts,
+        divs={name: Markup(text) for name, text in divs.items()},
+        script=Markup(script),
+        headline=summary.headline(run, numbers),
+        headline_colour=style.GREY if worst is None else style.state_colour(worst[1].state),
+        remarks=run.remarks,
+        facts=facts(run, numbers),
+        footer=f"Made by nw_gear {nw_gear_common.__version__} from {run.source.name}.",
+    )
+
+
+def _name(run: RunData) -> str:
+    """The run's folder gives it its name; a recording inside it is called just that."""
+    return run.source.parent.name if run.source.name == "recording" else run.source.name
+
+
+def facts(run: RunData, numbers: summary.Summary) -> list[tuple[str, str]]:
+    """What ran, when and in which range, as pairs of words."""
+    wave = run.waveform
+    if wave is None:
+        samples = "not recorded"
+    else:
+        missing = sum(gap.seconds for gap in wave.gaps)
+        lost = f"{len(wave.gaps)} gap(s), {missing:.3f} s in all" if wave.gaps else "no gaps"
+        samples = f"{wave.samples} at {wave.rate:.0f} Hz, {lost}"
+    state = "complete" if run.complete else "damaged, read through a repaired copy"
+    known = ", ".join(f"{key} {value}" for key, value in run.truth.items() if key in ("excitation", "faults"))
+    return [
+        ("Start", summary.when(run)),
+        ("Duration", f"{run.duration:.2f} s"),
+        ("Wind from", summary.wind_source(run)),
+        ("Configuration", summary.configuration(run)),
+        ("Wind speed", summary.in_words(numbers.wind, 1.0, "m/s")),
+        ("Input speed", summary.in_words(numbers.speed, summary.RPM, "r/min")),
+        ("Input torque", summary.in_words(numbers.torque, 1e-6, "MN m", 3)),
+        ("Input power", summary.in_words(numbers.power, 1e-6, "MW", 3)),
+        ("Samples", samples),
+        ("Recording", state),
+        ("Alarms", f"{len(numbers.alarms)} warning(s) or alarm(s)" if run.spans else "no diagnostics recorded"),
+        ("Truth", known or ("known, see below" if run.truth else "not recorded")),
+        ("Software", ", ".join(f"{k} {v}" for k, v in list(summary.versions(run).items())[:4]) or "not recorded"),
+        ("Command", run.provenance.get("nw_gear.run", {}).get("command_line", "not recorded")),
+    ]

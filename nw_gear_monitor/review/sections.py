@@ -1,0 +1,220 @@
+"""The sections of the report: which figures and tables stand where, and what is said where data are missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from bokeh.models import Model, Range1d
+
+from nw_gear_common import names
+from nw_gear_monitor.review import tables
+from nw_gear_monitor.review.figures import forces, history, indicators, operation, phase, spectra, states, waterfall
+from nw_gear_monitor.review.measured import Measured
+from nw_gear_monitor.review.rundata import RunData
+from nw_gear_monitor.review.summary import Summary
+from nw_gear_monitor.review.tables import DataTable
+
+NO_MONITOR = "No monitor was recorded with this run, so there is nothing to show here."
+NOT_TURNING = "The gearbox stood still at the end of the run, so there are no mesh cycles to show."
+PLANET_BEARINGS = ("pb1_1", "pb1_2", "pb1_3", "pb2_1", "pb2_2", "pb2_3")
+SHAFT_BEARINGS = ("sb", "b1", "b21", "b22")
+
+
+@dataclass(frozen=True)
+class Row:
+    """Figures side by side."""
+
+    columns: int
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Detail:
+    """A text that is folded away."""
+
+    title: str
+    text: str
+
+
+@dataclass
+class Section:
+    """One heading of the report with all under it."""
+
+    anchor: str
+    title: str
+    text: str = ""
+    rows: list[Row] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
+    tables: list[DataTable] = field(default_factory=list)
+    details: list[Detail] = field(default_factory=list)
+    figures: dict[str, Model] = field(default_factory=dict)
+
+    def add(self, columns: int, models: Iterable[Model | None], otherwise: str = "") -> None:
+        """Put figures side by side; where none could be made, say why."""
+        chosen = []
+        for model in models:
+            if model is not None:
+                name = f"{self.anchor}_{len(self.figures)}"
+                self.figures[name] = model
+                chosen.append(name)
+        if chosen:
+            self.rows.append(Row(columns, tuple(chosen)))
+        elif otherwise and otherwise not in self.missing:
+            self.missing.append(otherwise)
+
+
+def build(run: RunData, summary: Summary, measured: Measured | None = None, remark: str = "") -> list[Section]:
+    """All sections of the report, in order."""
+    time_range = Range1d(0.0, run.duration, bounds=(min(0.0, -0.02 * run.duration), 1.02 * run.duration))
+    return [
+        _summary(summary, run),
+        _wind_and_load(run, time_range, measured, remark),
+        _states(run, time_range),
+        _displacement(run, time_range),
+        _forces(run, time_range),
+        _spectra(run),
+        _waterfall(run, time_range),
+        _phase(run, summary),
+        _indicators(run, time_range),
+        _alarms(run, summary, time_range),
+        _truth(run),
+        _provenance(run),
+    ]
+
+
+def _summary(summary: Summary, run: RunData) -> Section:
+    return Section("summary", "Summary", tables=[tables.stages(summary, run)])
+
+
+def _wind_and_load(run: RunData, time_range: Range1d, measured: Measured | None, remark: str) -> Section:
+    section = Section("wind-and-load", "Wind and load", f"Figures over time are linked: zoom or pan one and all follow. {remark}".strip())
+    section.add(1, [operation.wind(run, time_range, measured)], "The wind speed was not recorded.")
+    load = [f(run, time_range) for f in (operation.speed, operation.torque, operation.power, operation.mesh_frequency)]
+    section.add(2, load, "Neither the shafts nor the waveform were recorded.")
+    return section
+
+
+def _states(run: RunData, time_range: Range1d) -> Section:
+    section = Section("states", "States over time", "What the monitor called each stage; point at a band for the reason.")
+    section.add(1, [states.stages(run, time_range)], NO_MONITOR if not run.monitored else "The monitor published no states.")
+    return section
+
+
+def _displacement(run: RunData, time_range: Range1d) -> Section:
+    text = (
+        "Meshing displacement x_n of every mesh, positive when the loaded flanks approach. Left: extremes over the whole run, "
+        "none is lost by the reduction. Right: the last seconds at full rate."
+    )
+    section = Section("displacement", "Meshing displacement", text if run.waveform else "")
+    source = history.tail_source(run)
+    for stage in names.STAGES:
+        samples = history.samples(run, stage, source) if source is not None else None
+        section.add(2, [history.envelope(run, stage, time_range), samples], "The waveform was not recorded.")
+    if run.waveform is not None:
+        section.tables.append(tables.displacement(run))
+        if run.waveform.gaps:
+            section.tables.append(tables.gaps(run))
+    return section
+
+
+def _forces(run: RunData, time_range: Range1d) -> Section:
+    section = Section("forces", "Mesh and bearing forces")
+    if run.mesh_force is not None:
+        section.text = (
+            "Mesh forces are drawn from the view topic: momentary values at some ten per second, a band from the least to the "
+            "largest of them and their mean. Bearing forces are envelopes of every sample."
+        )
+    section.add(3, [forces.mesh_force(run, s, time_range) for s in names.STAGES], "Mesh forces were not recorded.")
+    bearings = [
+        forces.bearing_force(run, PLANET_BEARINGS, "Planet bearings", time_range),
+        forces.bearing_force(run, SHAFT_BEARINGS, "Sun and output shaft bearings", time_range),
+    ]
+    section.add(2, bearings, "The waveform was recorded without bearing forces.")
+    if run.bearing_radial:
+        section.tables.append(tables.bearings(run))
+    return section
+
+
+def _spectra(run: RunData) -> Section:
+    text = "Amplitudes as the monitor published them. Dotted lines: harmonics of the stage's mesh frequency, and those of the others."
+    section = Section("spectra", "Spectra", text if run.spectra or run.orders else "")
+    for stage in names.STAGES:
+        pair = [spectra.amplitude(run, stage), spectra.orders(run, stage)]
+        section.add(2, pair, NO_MONITOR if not run.monitored else "The monitor published no spectra.")
+    return section
+
+
+def _waterfall(run: RunData, time_range: Range1d) -> Section:
+    section = Section("waterfall", "Spectra over time")
+    missing = NO_MONITOR if not run.monitored else "Fewer than two spectra were recorded: too few for a map."
+    section.add(1, [waterfall.waterfall(run, stage, time_range) for stage in names.STAGES], missing)
+    return section
+
+
+def _phase(run: RunData, summary: Summary) -> Section:
+    text = (
+        "Top: the path in the plane of displacement and velocity. Below: where it passes once per mesh cycle, at a fixed mesh "
+        "phase: n clusters for period n, a curve for two frequencies, a scattered figure for chaos. Lines of the other stages "
+        "widen a cluster into a ring without being chaos."
+    )
+    section = Section("phase", "Phase diagrams and Poincaré sections", text)
+    still = NOT_TURNING if run.waveform is not None else "The waveform was not recorded."
+    shared = {stage: phase.axes(run, stage) for stage in names.STAGES}
+    section.add(3, [phase.portrait(run, s, shared[s]) for s in names.STAGES], still)
+    missing = NO_MONITOR if not run.monitored else "The monitor published no section points."
+    section.add(3, [phase.section(run, s, shared[s]) for s in names.STAGES], missing if summary.turning else NOT_TURNING)
+    return section
+
+
+def _indicators(run: RunData, time_range: Range1d) -> Section:
+    section = Section("indicators", "Indicators over time")
+    found = indicators.columns(run)
+    sources = {mesh: indicators.source(run, mesh) for mesh in names.MESHES if mesh in run.indicators}
+    models = [indicators.history(run, column, sources, time_range) for column in found]
+    missing = NO_MONITOR if not run.monitored else "The monitor published no indicators (no window was filled)."
+    if models:
+        section.text = "Colours are stages, dashes are planets. A window that isn't filled yet gives no value."
+        section.tables.append(tables.indicators(found))
+    section.add(3, models, missing)
+    return section
+
+
+def _alarms(run: RunData, summary: Summary, time_range: Range1d) -> Section:
+    section = Section("alarms", "Alarms and diagnostics")
+    if not run.spans:
+        section.missing.append("No diagnostics were recorded.")
+        return section
+    section.add(1, [states.levels(run, time_range)])
+    if summary.alarms:
+        section.tables.append(tables.alarms(run, summary))
+    else:
+        section.text = "No status was ever above OK."
+    return section
+
+
+def _truth(run: RunData) -> Section:
+    section = Section("truth", "Truth of the simulator")
+    if run.truth:
+        section.text = f"What the simulator knows and a monitor has to find out, at the end of the run. {run.truth_message}".strip()
+        section.tables.append(DataTable("Last values", ("Quantity", "Value"), tuple(sorted(run.truth.items()))))
+    else:
+        section.missing.append("No truth was recorded: the data may come from a real machine, or the topic was left out.")
+    return section
+
+
+def _provenance(run: RunData) -> Section:
+    section = Section("provenance", "Provenance")
+    section.tables.append(tables.topics(run))
+    if not run.provenance:
+        section.missing.append("The recording carries no provenance.")
+    for name, values in run.provenance.items():
+        section.details.append(Detail(name, _as_text(list(values.items()))))
+    return section
+
+
+def _as_text(pairs: Sequence[tuple[str, str]]) -> str:
+    lines = []
+    for key, value in pairs:
+        lines.append(f"{key}:\n{value}" if "\n" in value else f"{key}: {value}")
+    return "\n".join(lines)
