@@ -56,7 +56,7 @@ def tooth_stiffness(pair: PairGeometry, toothing: Toothing) -> float:
 
 
 def transverse_stiffness(pair: PairGeometry, toothing: Toothing) -> float:
-    """Return the mean mesh stiffness K_m = c' (0.75 eps_alpha + 0.25) B in N/m (ISO 6336-1 method B, eps_alpha >= 1.2)."""
+    """Return the mean mesh stiffness K_m = c' (0.75 eps_alpha + 0.25) B in N/m (ISO 6336-1, eps_alpha >= 1.2)."""
     return tooth_stiffness(pair, toothing) * (0.75 * pair.contact_ratio + 0.25) * pair.face_width
 
 
