@@ -1,0 +1,76 @@
+# The house: one command each, from a bare Python 3.11 or newer with venv.
+#
+#   make demo      30 s of the whole system, then the report   (DURATION=60 ARGS="--wind gust")
+#   make setup     .venv with pinned dependencies and compiled kernels
+#   make test      every check but the slow ones               (ARGS="-k wind")
+#   make test-all  lint, and every test
+#   make lint      style, types, layers
+#   make bench     60 s in real time, measured
+#   make docs      generated tables, then HTML in build/docs
+
+PYTHON ?= python3
+DURATION ?= 30
+ARGS ?=
+
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+COMPILED := $(VENV)/.compiled
+NODE_MODULES := test/node/node_modules/.package-lock.json
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test test-all lint format bench docs lock clean
+
+help:
+	@sed -n 's/^#   //p' Makefile
+
+setup: $(COMPILED)
+
+$(INSTALLED): requirements/lock.txt setup.py setup.cfg pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "nw_gear needs Python 3.11 or newer; choose one with PYTHON=...")'
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --requirement requirements/lock.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
+# Compiling takes a minute once; without this the first run would pay for it.
+$(COMPILED): $(INSTALLED)
+	$(BIN)/python scripts/compile_kernels.py
+	touch $@
+
+demo: $(COMPILED)
+	$(BIN)/nw_gear demo --duration $(DURATION) $(ARGS)
+
+test: $(COMPILED)
+	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+
+test-all: lint $(NODE_MODULES)
+	$(BIN)/python -m pytest $(ARGS)
+
+# The recordings are also read on Node.js; where there is none those tests say so and are skipped.
+$(NODE_MODULES): test/node/package-lock.json
+	if command -v npm > /dev/null; then cd test/node && npm ci --silent --no-audit --no-fund; fi
+
+lint: $(INSTALLED)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(INSTALLED)
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: $(COMPILED)
+	$(BIN)/python benchmark/live.py $(ARGS)
+
+docs: $(INSTALLED)
+	$(BIN)/python scripts/generate.py
+	$(BIN)/python -m sphinx -q -W -b html docs build/docs
+	@echo build/docs/index.html
+
+lock: $(INSTALLED)
+	$(BIN)/python scripts/lock.py
+
+clean:
+	rm -rf build install log $(VENV)
