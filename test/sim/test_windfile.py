@@ -115,13 +115,19 @@ HEAD = "time,wind_speed\n0,5\n"
     [
         ("", r"row 1: expected a time column .*, got an empty file"),
         ("wind_speed\n5\n6\n", r"row 1: expected a time column \(time, timestamp, .*\), got columns wind_speed$"),
-        ("time,speed\n0,5\n", r"row 1: expected a wind speed column \(wind_speed, wind_speed_mean\), got columns time, speed"),
+        (
+            "time,speed\n0,5\n",
+            r"row 1: expected a wind speed column \(wind_speed, wind_speed_mean\), got columns time, speed",
+        ),
         ("time,wind_speed_mean\n0,5\n", r"row 1: expected a column of standard deviations \(wind_speed_std\)"),
         (HEAD + "1,fast\n", r"row 3, column wind_speed: expected a wind speed from 0 to 150 m/s .*, got 'fast'"),
         (HEAD + "1,-3.5\n", r"row 3, column wind_speed: .* got -3.5"),
         (HEAD + "1,9999\n", r"row 3, column wind_speed: .* got 9999"),
         (HEAD + "1,inf\n", r"row 3, column wind_speed: .* got inf"),
-        (HEAD + "yesterday,5\n", r"row 3, column time: expected a date and time in ISO 8601 or seconds, got 'yesterday'"),
+        (
+            HEAD + "yesterday,5\n",
+            r"row 3, column time: expected a date and time in ISO 8601 or seconds, got 'yesterday'",
+        ),
         (HEAD + ",5\n", r"row 3, column time: .* got ''"),
         (HEAD + "nan,5\n", r"row 3, column time: .* got 'nan'"),
         (HEAD + "1e300,5\n", r"row 3, column time: .* got '1e300'"),

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,6 +28,10 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+
+with warnings.catch_warnings():  # rclpy loads this later on; a parser that it uses imports a deprecated module
+    warnings.simplefilter("ignore", DeprecationWarning)
+    import rosidl_generator_py  # noqa: F401 - for the import alone
 
 LIMIT = 15.0
 """Longest wait for discovery, for a message or for an exit (s)."""
@@ -111,6 +116,17 @@ class Process:
             return self._process.wait(limit)
         except subprocess.TimeoutExpired:
             raise AssertionError(f"still running after {limit:g} s:\n{self.report()}") from None
+
+    def wait_until_signals_are_answered(self, limit: float = LIMIT) -> None:
+        """Wait until SIGTERM has a handler (Linux): from then on a node promises to end well, however young it is."""
+        end = time.monotonic() + limit
+        status = Path(f"/proc/{self.pid}/status")
+        while time.monotonic() < end and self.code is None:
+            caught = next(line for line in status.read_text().splitlines() if line.startswith("SigCgt:"))
+            if int(caught.split()[1], 16) >> (signal.SIGTERM - 1) & 1:
+                return
+            time.sleep(0.002)
+        raise AssertionError(f"no handler for SIGTERM:\n{self.report()}")
 
     def report(self) -> str:
         """Say what ran and what it printed, for a failing test."""
