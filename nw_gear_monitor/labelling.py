@@ -16,7 +16,6 @@ from nw_gear_monitor.indicators.window import LineResult
 from nw_gear_monitor.indicators.zero_one import zero_one
 from nw_gear_monitor.signals import decimate
 from nw_gear_monitor.signals.history import History
-from nw_gear_monitor.signals.stream import Second
 from nw_gear_monitor.stage_state import LEAST_SECONDS, REGULAR_RHO, Evidence, Persistence, State, judge
 
 ZERO_ONE_STROBES = 1500

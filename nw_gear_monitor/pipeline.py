@@ -33,7 +33,9 @@ class Windows:
     """Lengths of the monitor's windows; every hop is one second."""
 
     spectrum_seconds: int = quantity(4, "window of spectra and time-domain indicators", "s", minimum=1, maximum=16)
-    label_seconds: int = quantity(16, "window of the state labels (from 8 s on a shorter one is used)", "s", minimum=8, maximum=64)
+    label_seconds: int = quantity(
+        16, "window of the state labels (from 8 s on a shorter one is used)", "s", minimum=8, maximum=64
+    )
     section_phase: float = quantity(0.0, "mesh phase of the Poincaré sections", "rad", minimum=-7.0, maximum=7.0)
 
 

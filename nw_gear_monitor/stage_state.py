@@ -27,7 +27,8 @@ class Evidence:
     Attributes:
         seconds: length of the window, s.
         rho: residual over total variance after the lines.
-        tau: tonal share of the residual, K: 0-1 test of its strobes; NaN where rho is too small for them to mean anything.
+        tau, k: tonal share of the residual, and 0-1 test of its strobes; NaN where rho is too small for them to mean
+            anything.
         subharmonic_stage, subharmonic_order: the accepted f_s / n; "" and 1 for none.
         subharmonic_share: its share of this stage's variance.
         unlisted_order: mesh order of the strongest line of the residual (folded at the strobe rate), 0 for none.
@@ -63,14 +64,14 @@ class State:
 def judge(stage: str, evidence: Evidence) -> State:
     """Give one window's label, before any memory of earlier ones."""
     e = evidence
-    if e.seconds < LEAST_SECONDS:
-        return State(names.UNKNOWN, f"{e.seconds} of at least {LEAST_SECONDS} s seen")
     if not math.isfinite(e.rho) or e.deviation < max(LEAST_DEVIATION, LEAST_RELATIVE_DEVIATION * e.level):
         return State(names.UNKNOWN, "no vibration")
     if e.speed_spread > SPEED_LIMIT:
         return State(names.TRANSIENT, f"speed changed by {100 * e.speed_spread:.0f} % within {e.seconds} s")
-    if e.rho < REGULAR_RHO:
-        return _periodic(stage, e)
+    return _periodic(stage, e) if e.rho < REGULAR_RHO else _irregular(e)
+
+
+def _irregular(e: Evidence) -> State:
     share = f"{100 * e.rho:.0f} % of the variance outside known lines"
     if e.tau > TONAL:
         return State(names.QUASI_PERIODIC, f"{share}, most of it in lines; strongest at order {e.unlisted_order:.4g}")
@@ -85,7 +86,8 @@ def _periodic(stage: str, e: Evidence) -> State:
         return State(names.PERIODS[0], explained)
     line = f"f_{e.subharmonic_stage}/{e.subharmonic_order}"
     if e.subharmonic_stage == stage:
-        return State(names.PERIODS[e.subharmonic_order - 1], f"{explained}; {100 * e.subharmonic_share:.1f} % at multiples of {line}")
+        own = f"{100 * e.subharmonic_share:.1f} % at multiples of {line}"
+        return State(names.PERIODS[e.subharmonic_order - 1], f"{explained}; {own}")
     return State(names.PERIODS[0], f"{explained}; {line} transmitted from stage {e.subharmonic_stage}")
 
 
@@ -108,9 +110,7 @@ class Persistence:
     def add(self, state: State) -> State:
         """Take in one window's state and return the one to show."""
         self._seen = [*self._seen[1 - IN_A_ROW :], state.label]
-        if state.label == self.shown.label:
-            self.shown = state
-        elif self._seen.count(state.label) == IN_A_ROW:
+        if state.label == self.shown.label or self._seen.count(state.label) == IN_A_ROW:
             self.shown = state
         elif self.shown.label not in self._seen and len(self._seen) == IN_A_ROW:
             self.shown = State(names.UNKNOWN, f"undecided between windows: {', '.join(self._seen)}")

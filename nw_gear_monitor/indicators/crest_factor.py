@@ -9,10 +9,12 @@ from nw_gear_monitor.indicators.window import single
 
 
 def crest_factor(x: Array) -> float:
-    """max|x - mean x| / sqrt(mean((x - mean x)^2)): sqrt 2 for a sine, about 4 to 5 for noise; NaN for a constant."""
+    """Return max|x - mean x| / sqrt(mean((x - mean x)^2)): sqrt 2 for a sine, about 4 to 5 for noise; NaN for a constant."""
     deviation = x - np.mean(x)
     rms = float(np.sqrt(np.mean(deviation * deviation)))
     return float(np.max(np.abs(deviation))) / rms if rms > 0.0 else float("nan")
 
 
-INDICATOR = single("crest_factor", "", "largest deviation from the mean over rms", lambda window: crest_factor(window.x))
+INDICATOR = single(
+    "crest_factor", "", "largest deviation from the mean over rms", lambda window: crest_factor(window.x)
+)

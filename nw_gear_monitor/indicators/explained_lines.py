@@ -1,4 +1,4 @@
-"""What share of a mesh's vibration lies in lines at known orders, and whether fractions of a mesh frequency are among them.
+"""What share of a mesh's vibration lies in lines at known orders, and whether fractions of f_m are among them.
 
 rho = residual variance / total variance after the lines k f_I + l f_II + m f_III and own harmonics are fitted and taken
 out. Regular motion leaves little (roller passage), chaotic motion a lot. Where a group f_s p / n explains more than
@@ -103,13 +103,15 @@ def _best(first: LineFit) -> Subharmonic | None:
     parts: dict[Subharmonic, float] = {}
     for candidate, gain in first.candidates.items():
         shares = _by_stage(first, gain)
-        passed = [shares[stage] / rho[stage] for stage in names.STAGES if shares[stage] > LEAST_SHARE and rho[stage] > 0]
+        passed = [
+            shares[stage] / rho[stage] for stage in names.STAGES if shares[stage] > LEAST_SHARE and rho[stage] > 0
+        ]
         parts[candidate] = max(passed, default=0.0)
-    best = max((c for c in parts if c[1] != 4), key=lambda c: parts[c])  # noqa: PLR2004
+    best = max((c for c in parts if c[1] != 4), key=lambda c: parts[c])
     if parts[best] <= LEAST_PART:
         return None
     stage, divisor = best
-    if divisor == 2 and _adds_to_two(first, stage, rho):  # noqa: PLR2004
+    if divisor == 2 and _adds_to_two(first, stage, rho):
         return stage, 4
     return best
 

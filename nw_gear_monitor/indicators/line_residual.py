@@ -15,7 +15,15 @@ STROBES_PER_CYCLE = {"I": 16, "II": 4, "III": 2}
 
 
 def line_residual(
-    done: LineFit, starts: Array, time: Array, phase: Array, own: Array, x: Array, v: Array, channel: int, per_cycle: int
+    done: LineFit,
+    starts: Array,
+    time: Array,
+    phase: Array,
+    own: Array,
+    x: Array,
+    v: Array,
+    channel: int,
+    per_cycle: int,
 ) -> Array:
     """What the fitted lines and the slow trend leave of one mesh, at equal steps of mesh phase.
 

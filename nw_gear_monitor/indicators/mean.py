@@ -9,7 +9,7 @@ from nw_gear_monitor.indicators.window import single
 
 
 def mean(x: Array) -> float:
-    """mean(x), in the unit of x (samples,). It follows the load: x = F / K where the flanks stay in contact."""
+    """Mean of x (samples,), in its unit. It follows the load: x = F / K where the flanks stay in contact."""
     return float(np.mean(x))
 
 

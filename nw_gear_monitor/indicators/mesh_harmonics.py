@@ -32,15 +32,18 @@ def line_amplitudes(phase: Array, x: Array, orders: Sequence[float]) -> tuple[fl
     window = hann(x.size)
     weighted = window * (x - np.mean(x))
     turned = abs(float(phase[-1] - phase[0])) / (2.0 * np.pi)
-    total = float(window.sum())
-    return tuple(
-        2.0 * abs(complex(np.sum(weighted * np.exp(-1j * q * phase)))) / total if q * turned >= LEAST_CYCLES else float("nan")
-        for q in orders
-    )
+    scale = 2.0 / float(window.sum())
+    sums = [abs(complex(np.dot(weighted, np.exp(-1j * q * phase)))) for q in orders]
+    return tuple(scale * s if q * turned >= LEAST_CYCLES else float("nan") for q, s in zip(orders, sums, strict=True))
+
+
+def harmonic_amplitudes(phase: Array, x: Array) -> tuple[float, ...]:
+    """`line_amplitudes` at HARMONICS."""
+    return line_amplitudes(phase, x, HARMONICS)
 
 
 def _compute(window: MeshWindow) -> tuple[float, ...]:
-    return line_amplitudes(window.phase, window.x, HARMONICS)
+    return window.once(harmonic_amplitudes)
 
 
 INDICATOR = Indicator(

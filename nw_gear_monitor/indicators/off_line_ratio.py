@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from nw_gear_common.tables import Array
-from nw_gear_monitor.indicators.mesh_harmonics import HARMONICS, line_amplitudes
+from nw_gear_monitor.indicators.mesh_harmonics import harmonic_amplitudes
 from nw_gear_monitor.indicators.window import single
 
 
-def off_line_ratio(phase: Array, x: Array) -> float:
+def off_line_ratio(amplitudes: Sequence[float], x: Array) -> float:
     """1 - sum_k A_k^2 / 2 / var(x) over the first five harmonics k of the mesh frequency, at least 0.
 
     Args:
-        phase: (samples,) unwrapped mesh phase, rad; x: (samples,) m.
+        amplitudes: of the first harmonics of the mesh frequency, m.
+        x: (samples,) m.
 
     Returns:
         0 for a signal of these harmonics alone, 1 for one without them; NaN for a constant or when nothing turns.
@@ -22,10 +25,13 @@ def off_line_ratio(phase: Array, x: Array) -> float:
     variance = float(np.var(x))
     if variance == 0.0:
         return float("nan")
-    power = 0.5 * float(np.sum(np.square(line_amplitudes(phase, x, HARMONICS))))
+    power = 0.5 * float(np.sum(np.square(amplitudes)))
     return max(1.0 - power / variance, 0.0) if np.isfinite(power) else float("nan")
 
 
 INDICATOR = single(
-    "off_line_ratio", "", "energy outside the mesh harmonics over all", lambda window: off_line_ratio(window.phase, window.x)
+    "off_line_ratio",
+    "",
+    "energy outside the mesh harmonics over all",
+    lambda window: off_line_ratio(window.once(harmonic_amplitudes), window.x),
 )

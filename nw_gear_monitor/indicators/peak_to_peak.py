@@ -9,7 +9,7 @@ from nw_gear_monitor.indicators.window import single
 
 
 def peak_to_peak(x: Array) -> float:
-    """max(x) - min(x), in the unit of x (samples,). A single outlier decides it; it grows with the length of the window for noise."""
+    """Return max(x) - min(x) of x (samples,); one outlier decides it, and noise raises it with the window's length."""
     return float(np.ptp(x))
 
 

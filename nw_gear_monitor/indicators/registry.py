@@ -1,4 +1,4 @@
-"""Every indicator that `indicators/<mesh>` carries, in the order of its columns. A new one is a file and a line here."""
+"""Every indicator that `indicators/<mesh>` carries, in the order of its columns. A new one: a file and a line here."""
 
 from __future__ import annotations
 

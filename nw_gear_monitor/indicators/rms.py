@@ -9,7 +9,7 @@ from nw_gear_monitor.indicators.window import single
 
 
 def rms(x: Array) -> float:
-    """sqrt(mean((x - mean x)^2)), in the unit of x (samples,). The mean is taken out because it is load, not vibration."""
+    """Return sqrt(mean((x - mean x)^2)) of x (samples,); the mean is taken out because it is load, not vibration."""
     return float(np.std(x))
 
 

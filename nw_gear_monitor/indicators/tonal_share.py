@@ -25,8 +25,8 @@ def tonal_share(series: Array) -> tuple[float, float, float]:
         series: (samples,), equally spaced.
 
     Returns:
-        tau = sum of (power - floor) over the bins within LOBE of a line / total power; the strongest line's frequency in
-        cycles per sample; and its amplitude in the unit of the series. Zeros for a constant or too short series.
+        tau = sum of (power - floor) over the bins within LOBE of a line / total power; the strongest line's frequency
+        in cycles per sample; and its amplitude in the unit of the series. Zeros for a constant or too short series.
     """
     if series.size < 2 * NEIGHBOURHOOD:
         return 0.0, 0.0, 0.0
@@ -47,7 +47,7 @@ def tonal_share(series: Array) -> tuple[float, float, float]:
 
 
 def _peak(power: Array, at: int) -> float:
-    """Bin number of a line (1 = first bin after the mean), refined by the ratio of its neighbours under a Hann window."""
+    """Bin number of a line (1 = first bin after the mean), refined by its larger neighbour (Hann window)."""
     if not 0 < at < power.size - 1:
         return at + 1.0
     left, middle, right = np.sqrt(power[at - 1 : at + 2])

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TypeVar
 
 from nw_gear_common.tables import Array
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,13 @@ class MeshWindow:
     x: Array
     v: Array
     lines: LineResult | None
+    _known: dict[Callable[[Array, Array], object], object] = field(default_factory=dict)
+
+    def once(self, function: Callable[[Array, Array], Result]) -> Result:
+        """Compute function(phase, x) at its first use; further indicators that build on it get the same result."""
+        if function not in self._known:
+            self._known[function] = function(self.phase, self.x)
+        return self._known[function]  # type: ignore[return-value]  # the key fixes the type
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ FREQUENCIES = 100
 GOLDEN = 0.6180339887498949
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})  # type: ignore[untyped-decorator]
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def _growth(series: Array, frequencies: Array, lags: int) -> Array:
     size = series.size
     mean = series.mean()

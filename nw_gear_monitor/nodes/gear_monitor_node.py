@@ -1,7 +1,7 @@
 """`gear_monitor_node`: spectra, Poincaré sections, indicators and states from the waveform, online.
 
-The executor's thread takes messages in and answers services and signals; a second thread compiles the kernels, subscribes,
-computes and publishes. What it publishes follows from the stamped samples alone; wall time decides only when a silent
+The executor's thread takes messages in and answers services and signals; a second thread compiles the kernels,
+subscribes, computes and publishes. What it publishes follows from the stamped samples alone; wall time decides only when a silent
 stream is called stale and how long computing took.
 """
 
@@ -41,7 +41,9 @@ class Settings(Windows):
 
     config: str = quantity("", "Configuration laid over the default gearbox: a YAML file, or the name of a preset.")
     waveform_topic: str = quantity(names.WAVEFORM, "Topic of the waveform, relative to the namespace.")
-    stale_after: float = quantity(2.0, "Wall time without samples after which every state is stale.", "s", minimum=0.1, maximum=3600.0)
+    stale_after: float = quantity(
+        2.0, "Wall time without samples after which every state is stale.", "s", minimum=0.1, maximum=3600.0
+    )
 
 
 @dataclass
@@ -123,7 +125,9 @@ class GearMonitorNode(Node):
         try:
             warm_up(self._gearing)
             topic = self._settings.waveform_topic
-            subscription = self.create_subscription(Float64MultiArray, topic, self._on_waveform, live_qos(WAVEFORM_DEPTH))
+            subscription = self.create_subscription(
+                Float64MultiArray, topic, self._on_waveform, live_qos(WAVEFORM_DEPTH)
+            )
             self.get_logger().info(f"monitoring {subscription.topic_name}")
             while not self._stop:
                 self._next()

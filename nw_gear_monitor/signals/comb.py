@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
+import numpy.typing as npt
 
 from nw_gear_common import names
 from nw_gear_common.tables import Array
@@ -64,7 +65,8 @@ def base(ratios: Array) -> Comb:
     Args:
         ratios: (3,) mesh frequencies of the stages over that of stage I.
     """
-    modulated, steady = [], []
+    modulated: list[Twelfths] = []
+    steady: list[Twelfths] = []
     span = range(-HIGHEST_COMBINATION, HIGHEST_COMBINATION + 1)
     for k, l, m in itertools.product(span, span, span):  # noqa: E741  (the usual letters of the three multiples)
         size = abs(k) + abs(l) + abs(m)
@@ -106,7 +108,7 @@ def multiples(lines: tuple[Twelfths, ...]) -> Array:
     return np.array(lines, dtype=np.float64).reshape(-1, 3) / PARTS
 
 
-def spaced(frequency: Array, apart: float, highest: float) -> Array:
+def spaced(frequency: Array, apart: float, highest: float) -> npt.NDArray[np.bool_]:
     """Choose lines that a window can tell apart.
 
     Args:
@@ -126,7 +128,9 @@ def spaced(frequency: Array, apart: float, highest: float) -> Array:
 def describe(line: Twelfths) -> str:
     """Name a line, for instance `f_II/2 + f_I` (the largest fraction first)."""
     words = []
-    for stage, parts in sorted(zip(names.STAGES, line, strict=True), key=lambda item: Fraction(item[1], PARTS).denominator, reverse=True):
+    for stage, parts in sorted(
+        zip(names.STAGES, line, strict=True), key=lambda item: Fraction(item[1], PARTS).denominator, reverse=True
+    ):
         multiple = Fraction(abs(parts), PARTS)
         if multiple:
             text = ("" if multiple.numerator == 1 else f"{multiple.numerator} ") + f"f_{stage}"

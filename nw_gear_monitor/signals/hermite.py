@@ -14,7 +14,7 @@ import numpy.typing as npt
 from nw_gear_common.tables import Array
 
 
-@numba.njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@numba.njit(cache=True, error_model="numpy")
 def _basis(s: float, wide: bool, out: Array) -> None:
     """Weights of x (rows 0), v (1) for the value and of x (2), v (3) for the derivative, at nodes -1, 0, 1, 2."""
     low, high = (0, 4) if wide else (1, 3)
@@ -37,7 +37,7 @@ def _basis(s: float, wide: bool, out: Array) -> None:
         out[3, i] = square + d * 2.0 * lagrange * slope
 
 
-@numba.njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@numba.njit(cache=True, error_model="numpy")
 def _interpolate(position: Array, x: Array, v: Array, step: float, value: Array, derivative: Array) -> None:
     weights = np.empty((4, 4))
     last = x.shape[0] - 2
@@ -69,7 +69,9 @@ def interpolate(position: Array, x: Array, v: Array, step: float) -> tuple[Array
     """
     value = np.empty((position.size, x.shape[1]))
     derivative = np.empty_like(value)
-    _interpolate(np.ascontiguousarray(position), np.ascontiguousarray(x), np.ascontiguousarray(v), step, value, derivative)
+    _interpolate(
+        np.ascontiguousarray(position), np.ascontiguousarray(x), np.ascontiguousarray(v), step, value, derivative
+    )
     return value, derivative
 
 

@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
 from nw_gear_common.tables import Array
 from nw_gear_monitor.signals.comb import HIGHEST_FREQUENCY, Comb, Subharmonic, Twelfths, multiples, spaced
 from nw_gear_monitor.signals.modulation import Modulation, modulation
 from nw_gear_monitor.signals.normal import SHAPES, NormalSecond, design
+
+Flags = npt.NDArray[np.bool_]
+Indices = npt.NDArray[np.intp]
 
 RIDGE = 1e-10
 """Added to the diagonal of the scaled matrix: harmless next to any noise, keeps near-equal lines solvable."""
@@ -25,7 +29,7 @@ class LineFit:
         comb: the comb whose lines were offered.
         kept: (lines,) bool, the lines that this window can tell apart and that were fitted (candidates never are).
         coefficients: (seconds, columns, channels): local coefficients for the columns of `normal.design`.
-        residual, energy: (channels,) sums of squares after the fit and before it, corrected for degrees of freedom (m^2).
+        residual, energy: (channels,) sums of squares after the fit (corrected for degrees of freedom) and before it (m^2).
         candidates: (stage, divisor) -> (channels,) share of `energy` that these further lines would explain.
         columns: number of fitted columns.
         modulation: how amplitudes were allowed to change.
@@ -33,7 +37,7 @@ class LineFit:
     """
 
     comb: Comb
-    kept: np.typing.NDArray[np.bool_]
+    kept: Flags
     coefficients: Array
     residual: Array
     energy: Array
@@ -43,7 +47,7 @@ class LineFit:
     frequency: Array
 
     def predict(self, second: int, phase: Array, tau: Array, channel: int) -> Array:
-        """Sum of the fitted lines at given phases (points, 3) and times tau (points,) of one second, shape (points,)."""
+        """Sum of the fitted lines at given phases (points, 3) and times tau (points,) of one second: (points,)."""
         result: Array = design(phase, tau, self.comb) @ self.coefficients[second, :, channel]
         return result
 
@@ -89,7 +93,9 @@ def _assemble(seconds: list[NormalSecond], lines: int, curves: Modulation) -> tu
     gram = np.zeros((wide + others, wide + others))
     moment = np.zeros((wide + others, seconds[0].moment.shape[1]))
     for second, shape_map in zip(seconds, curves.maps, strict=True):
-        mixed = np.einsum("ipc,pa->iac", second.gram[:local].reshape(2 * lines, SHAPES, -1), shape_map).reshape(wide, -1)
+        mixed = np.einsum("ipc,pa->iac", second.gram[:local].reshape(2 * lines, SHAPES, -1), shape_map).reshape(
+            wide, -1
+        )
         square = np.einsum("rjq,qb->rjb", mixed[:, :local].reshape(wide, 2 * lines, SHAPES), shape_map)
         gram[:wide, :wide] += square.reshape(wide, wide)
         gram[:wide, wide:] += mixed[:, local:]
@@ -101,7 +107,7 @@ def _assemble(seconds: list[NormalSecond], lines: int, curves: Modulation) -> tu
     return gram, moment
 
 
-def _columns(comb: Comb, kept: np.typing.NDArray[np.bool_], functions: int) -> tuple[np.typing.NDArray[np.intp], dict[Subharmonic, np.typing.NDArray[np.intp]]]:
+def _columns(comb: Comb, kept: Flags, functions: int) -> tuple[Indices, dict[Subharmonic, Indices]]:
     """Columns of the fitted lines, and of each group of candidates, in the window's matrix."""
     modulated, steady = len(comb.modulated), len(comb.steady)
     wide = 2 * functions * modulated
@@ -119,8 +125,8 @@ def _columns(comb: Comb, kept: np.typing.NDArray[np.bool_], functions: int) -> t
 def _candidate_shares(
     gram: Array,
     moment: Array,
-    wanted: np.typing.NDArray[np.intp],
-    groups: dict[Subharmonic, np.typing.NDArray[np.intp]],
+    wanted: Indices,
+    groups: dict[Subharmonic, Indices],
     factor: tuple[Array, bool],
     solution: Array,
     energy: Array,

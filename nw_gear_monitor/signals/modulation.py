@@ -1,7 +1,7 @@
 """How line amplitudes may change within a window: polynomials of speed and load.
 
-A gearbox under wind passes its resonances slowly back and forth: at constant conditions a line is one complex number, in
-a window with changing speed it is a curve over speed and load. Polynomials of both, scaled to the window's range,
+A gearbox under wind passes its resonances slowly back and forth: at constant conditions a line is one complex number,
+in a window with changing speed it is a curve over speed and load. Polynomials of both, scaled to the window's range,
 describe it. They are made orthonormal over the window; members which add nothing new are left out.
 """
 

@@ -4,9 +4,9 @@ One second gives A^T A, A^T x and x^T x, where A holds cosine and sine of every 
 afresh at each hop; nothing runs on from hop to hop, so that no rounding piles up and a replay gives the same numbers.
 
 Two things are settled inside the second. A polynomial in time (degree 7) is projected out of A and x alike, which takes
-slow changes of load (below about 3 Hz) out of the fit and out of the total variance. The modulated lines get three columns each (times
-1, tau, (3 tau^2 - 1)/2 with tau from -1 to 1 over the second), from which a window composes any amplitude curve that is
-smooth on the scale of a second.
+slow changes of load (below about 3 Hz) out of the fit and out of the total variance. The modulated lines get three
+columns each (times 1, tau, (3 tau^2 - 1)/2 with tau from -1 to 1 over the second), from which a window composes any
+amplitude curve that is smooth on the scale of a second.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ from dataclasses import dataclass
 
 import numba
 import numpy as np
+import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from nw_gear_common.tables import Array
-from nw_gear_monitor.signals.comb import PARTS, Comb, multiples
+from nw_gear_monitor.signals.comb import PARTS, Comb
 
 SHAPES = 3
 TREND_DEGREE = 7
@@ -48,22 +49,47 @@ class NormalSecond:
     level: Array
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _design(phase: Array, tau: Array, lines: Array, modulated: int, out: Array) -> None:
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _powers(angle: float, coarse: npt.NDArray[np.complex128], fine: npt.NDArray[np.complex128]) -> None:
+    """exp(i k angle) into `coarse` and exp(i k angle / PARTS) into `fine`."""
+    coarse[0] = 1.0
+    fine[0] = 1.0
+    unit = complex(np.cos(angle), np.sin(angle))
+    part = complex(np.cos(angle / PARTS), np.sin(angle / PARTS))
+    for k in range(1, coarse.size):
+        coarse[k] = coarse[k - 1] * unit
+    for k in range(1, fine.size):
+        fine[k] = fine[k - 1] * part
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _design(
+    phase: Array, tau: Array, lines: npt.NDArray[np.int64], modulated: int, reach: tuple[int, int], out: Array
+) -> None:
+    coarse = np.empty((3, reach[0] + 1), dtype=np.complex128)
+    fine = np.empty((3, reach[1] + 1), dtype=np.complex128)
     steady = 2 * SHAPES * modulated
     for row in range(phase.shape[0]):
         t = tau[row]
         square = 0.5 * (3.0 * t * t - 1.0)
+        for stage in range(3):
+            _powers(phase[row, stage], coarse[stage], fine[stage])
         for line in range(lines.shape[0]):
-            angle = lines[line, 0] * phase[row, 0] + lines[line, 1] * phase[row, 1] + lines[line, 2] * phase[row, 2]
-            c, s = np.cos(angle), np.sin(angle)
+            z = complex(1.0, 0.0)
+            for stage in range(3):
+                parts = lines[line, stage]
+                if parts == 0:
+                    continue
+                size = abs(parts)
+                factor = coarse[stage, size // PARTS] if size % PARTS == 0 else fine[stage, size]
+                z *= factor if parts > 0 else factor.conjugate()
             if line < modulated:
                 at = 2 * SHAPES * line
-                out[row, at], out[row, at + 1], out[row, at + 2] = c, c * t, c * square
-                out[row, at + 3], out[row, at + 4], out[row, at + 5] = s, s * t, s * square
+                out[row, at], out[row, at + 1], out[row, at + 2] = z.real, z.real * t, z.real * square
+                out[row, at + 3], out[row, at + 4], out[row, at + 5] = z.imag, z.imag * t, z.imag * square
             else:
                 at = steady + 2 * (line - modulated)
-                out[row, at], out[row, at + 1] = c, s
+                out[row, at], out[row, at + 1] = z.real, z.imag
 
 
 def design(phase: Array, tau: Array, comb: Comb) -> Array:
@@ -77,10 +103,12 @@ def design(phase: Array, tau: Array, comb: Comb) -> Array:
     Returns:
         (samples, columns).
     """
-    lines = multiples(comb.lines)
+    lines = np.array(comb.lines, dtype=np.int64).reshape(-1, 3)
+    whole = lines % PARTS == 0
+    reach = int(np.max(np.abs(lines)[whole], initial=0)) // PARTS, int(np.max(np.abs(lines)[~whole], initial=0))
     modulated = len(comb.modulated)
     out = np.empty((len(phase), 2 * SHAPES * modulated + 2 * (len(lines) - modulated)))
-    _design(np.mod(phase, 2.0 * np.pi * PARTS), tau, lines, modulated, out)
+    _design(np.mod(phase, 2.0 * np.pi * PARTS), tau, lines, modulated, reach, out)
     return out
 
 
@@ -105,12 +133,12 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
     trend = q.T @ x
     flat = x - q @ trend
     overlap = q.T @ columns
-    slope = legendre.legder(legendre.legfit(tau, phase - phase[0], RATE_DEGREE), axis=0)
+    slope: Array = legendre.legder(legendre.legfit(tau, phase - phase[0], RATE_DEGREE), axis=0)
     return NormalSecond(
         gram=columns.T @ columns - overlap.T @ overlap,
         moment=columns.T @ flat,
         energy=np.sum(flat * flat, axis=0),
         samples=len(time),
-        rate=2.0 * legendre.legval(NODES, slope).T,
-        level=legendre.legvander(NODES, TREND_DEGREE) @ np.linalg.solve(r, trend),
+        rate=np.asarray(2.0 * legendre.legval(NODES, slope).T, dtype=np.float64),
+        level=np.asarray(legendre.legvander(NODES, TREND_DEGREE) @ np.linalg.solve(r, trend), dtype=np.float64),
     )

@@ -1,7 +1,7 @@
 """Amplitude spectra over time and over mesh order.
 
-Both use a Hann window and divide by its sum, so that a line of amplitude A that falls on a bin reads A; between two bins
-it reads up to 15 % less (scalloping). Lines at known orders are measured without that loss by `indicators.mesh_harmonics`.
+Both use a Hann window and divide by its sum, so that a line of amplitude A that falls on a bin reads A; between two
+bins it reads up to 15 % less (scalloping). `indicators.mesh_harmonics` measures lines at known orders without that loss.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def amplitude_spectrum(x: Array, rate: float) -> tuple[Array, Array]:
     """
     window = hann(len(x))
     amplitude = 2.0 * np.abs(np.fft.rfft((x - x.mean(axis=0)) * window[:, None], axis=0)) / window.sum()
-    return np.fft.rfftfreq(len(x), 1.0 / rate), amplitude
+    return np.arange(len(amplitude)) * rate / len(x), amplitude
 
 
 def orders() -> Array:

@@ -1,12 +1,13 @@
-"""Turns blocks of the waveform into whole seconds of contiguous samples; finds gaps by the time stamps, never bridges one.
+"""Turns blocks of the waveform into whole seconds of contiguous samples; finds gaps by the stamps, never bridges one.
 
-Everything downstream works on `Second` objects: all samples whose stamps lie in [k, k + 1) for a whole number k. What is
-computed is therefore a function of the stamped samples alone, not of how they were cut into messages or of wall time.
+Everything downstream works on `Second` objects: all samples whose stamps lie in [k, k + 1) for a whole number k. What
+is computed is therefore a function of the stamped samples alone, not of how they were cut into messages or of wall time.
 A second that is not whole (start of a run at a fraction of a second, either side of a gap) is left out.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,7 +119,7 @@ class Stream:
         return abs(_interval(data) * self.rate - 1.0) > RATE_ROUNDING + stamp_error * self.rate
 
     def _split(self, data: Array) -> list[Array | None]:
-        """Cut a block where its samples are not contiguous (None), at its joint to the last block too; count the breaks."""
+        """Cut a block where its samples are not contiguous (None), at the joint to the last block too; count breaks."""
         phases = [self.columns.index(name) for name in REQUIRED]
         joined = data[:, phases] if self._tail is None else np.vstack([self._tail[:, phases], data[:, phases]])
         offset = len(joined) - len(data)
@@ -161,10 +162,10 @@ class Stream:
         if np.floor(after_last + half) <= np.floor(first + half):
             return []
         data = np.concatenate(self._pieces)
-        index = np.floor(data[:, 0] + half).astype(np.int64)
-        end = int(np.floor(after_last + half))
+        index = np.floor(data[:, 0] + half)
+        end = math.floor(after_last + half)
         seconds = []
-        for start in range(int(index[0]), end):
+        for start in range(int(index[0]), int(end)):
             rows = data[np.searchsorted(index, start) : np.searchsorted(index, start + 1)]
             if rows[0, 0] - start < 1.5 / self.rate:
                 seconds.append(Second(start, self.epoch, self.rate, self.columns, rows))
