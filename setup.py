@@ -1,12 +1,16 @@
 """Install nw_gear as an ament_python package (colcon) or as a plain Python package (pip)."""
 
+import re
 from pathlib import Path
 
-from setuptools import setup
+from setuptools import find_packages, setup
 
 NAME = "nw_gear"
-NODES = ("wind_node", "gear_sim_node", "gear_monitor_node", "recorder_node", "replay_node")
-EXECUTABLES = (*NODES, "nw_gear")
+EXECUTABLES = ("wind_node", "gear_sim_node", "gear_monitor_node", "recorder_node", "replay_node", "nw_gear")
+VERSION = re.findall(r'__version__ = "(.+)"', Path("nw_gear_common/__init__.py").read_text(encoding="utf-8"))[0]
+
+# ROS itself isn't listed: it comes from the distribution or from requirements/runtime.txt.
+RUNTIME = ("numpy", "scipy", "numba", "PyYAML>=6", "mcap>=1.2", "mcap-ros2-support>=0.5", "bokeh>=3.4", "typer>=0.12", "rich")
 
 
 def files(folder: str, *patterns: str) -> list[str]:
@@ -16,35 +20,24 @@ def files(folder: str, *patterns: str) -> list[str]:
 
 setup(
     name=NAME,
-    version="0.1.0",
-    packages=[
-        "nw_gear_common",
-        "nw_gear_sim",
-        "nw_gear_sim.params",
-        "nw_gear_sim.physics",
-        "nw_gear_sim.integrator",
-        "nw_gear_sim.nodes",
-        "nw_gear_monitor",
-        "nw_gear_monitor.signals",
-        "nw_gear_monitor.indicators",
-        "nw_gear_monitor.records",
-        "nw_gear_monitor.review",
-        "nw_gear_monitor.review.figures",
-        "nw_gear_monitor.nodes",
-    ],
+    version=VERSION,
+    packages=find_packages(include=["nw_gear_*"]),
+    package_data={"": ["py.typed", "*.html", "*.css", "*.js"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
-        (f"share/{NAME}/config", files("config", "*.yaml")),
+        (f"share/{NAME}/config", files("config", "*.yaml", "*.json", "*.xml")),
         (f"share/{NAME}/launch", files("launch", "*.launch.py")),
+        (f"lib/{NAME}", [f"scripts/{name}" for name in EXECUTABLES]),  # where `ros2 run` looks, also after pip
     ],
-    install_requires=["setuptools"],
-    zip_safe=True,
+    python_requires=">=3.11",
+    install_requires=["setuptools", *RUNTIME],
+    extras_require={"test": ["pytest", "hypothesis", "rosbags"]},  # without a pytest here `colcon test` runs no test
+    zip_safe=False,
     maintainer="nw_gear maintainers",
     maintainer_email="maintainers@users.noreply.nw-gear.example",
     description="Virtual condition monitoring of a wind turbine's planetary gearbox.",
     license="Apache-2.0",
-    extras_require={"test": ["pytest"]},
     entry_points={
         "console_scripts": [f"{name} = nw_gear_common.launcher:{name}" for name in EXECUTABLES],
         "nw_gear.commands": [
