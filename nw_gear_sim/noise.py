@@ -65,7 +65,7 @@ class GaussianNodes:
 
 
 def cubic_weights(share: float) -> tuple[float, float, float, float]:
-    """Catmull-Rom weights of the nodes -1, 0, 1, 2 at 0 <= share < 1 on the way from node 0 to node 1; their sum is 1."""
+    """Catmull-Rom weights of the nodes -1, 0, 1, 2 at 0 <= share < 1 of the way from node 0 to node 1; sum 1."""
     s, s2, s3 = share, share**2, share**3
     return (
         0.5 * (-s + 2.0 * s2 - s3),

@@ -109,6 +109,11 @@ class Source:
         return index / self.rate > self.end
 
     @property
+    def exceeded(self) -> int:
+        """Number of intervals drawn so far with more deviation than the file gives (see `TurbulentWind`)."""
+        return self.wind.exceeded if isinstance(self.wind, TurbulentWind) else 0
+
+    @property
     def bridged(self) -> float:
         """Seconds of the file without good rows."""
         return sum(gap.seconds for gap in self.gaps)

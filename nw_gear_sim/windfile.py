@@ -175,7 +175,7 @@ def _column(place: str, header: Sequence[str], name: str, usual: Sequence[str], 
     raise InputError(place, expected, f"columns {', '.join(header)}" if header else "an empty file")
 
 
-def _row(  # noqa: PLR0913, PLR0917 - where a row is, what it holds, and which of it is wanted
+def _row(
     file: str, number: int, header: Sequence[str], cells: Sequence[str], time: int, columns: Sequence[int]
 ) -> _Row:
     place = f"{file}: row {number}"

@@ -140,6 +140,10 @@ class WindNode(Node):
             remarks.append(f"{len(source.gaps)} gaps bridged")
         if self._recent and source.is_over(self._schedule.last):
             remarks.append("the file has ended, " + ("its last row holds" if source.at_end == "hold" else "it repeats"))
+        if source.exceeded:
+            remarks.append(
+                f"{source.exceeded} intervals with more deviation than the file gives, forced by their means"
+            )
         if self._schedule.left_out:
             remarks.append(f"{self._schedule.left_out} samples left out by a jump of the clock")
         values = {

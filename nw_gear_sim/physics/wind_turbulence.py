@@ -40,7 +40,7 @@ class TurbulentWind:
         loop: begin again with the first interval's statistics after the last; otherwise the last one's hold.
     """
 
-    def __init__(  # noqa: PLR0913, PLR0917 - six numbers say what is drawn
+    def __init__(
         self, means: Array, deviations: Array, interval: float, correlation_time: float, seed: int, loop: bool
     ) -> None:
         self._means = means

@@ -10,8 +10,8 @@ from nw_gear_sim.physics.wind_gust import DURATION, GustWind, gust_magnitude
 
 
 def test_magnitude_of_the_standards_example() -> None:
-    """Figure 2 of IEC 61400-1 ed. 3 (V_hub 25 m/s, class I A, D 42 m): its curve runs from 25 to a little over 33 m/s."""
-    # By hand: sigma_1 = 0.16 (0.75 * 25 + 5.6) = 3.896; 3.3 * 3.896 / (1 + 0.1 * 42/42) = 11.688; limit 1.35 * 31 = 41.85.
+    """Figure 2 of IEC 61400-1 ed. 3 (V_hub 25 m/s, class I A, D 42 m) rises to a little over 33 m/s (from memory)."""
+    # By hand: sigma_1 = 0.16 (0.75 * 25 + 5.6) = 3.896; 3.3 * 3.896 / (1 + 0.1 * 42/42) = 11.688; 1.35 * 31 = 41.85.
     size = gust_magnitude(25.0, 50.0, 0.16, 42.0, 80.0)
     assert size == pytest.approx(11.688, abs=1e-9)
     assert 33.0 < GustWind(25.0, size, 0.0, 0.0).at(DURATION / 2) < 34.0

@@ -55,7 +55,7 @@ def test_mean_within_its_standard_error(series: np.ndarray) -> None:
 
 def test_deviation_and_share_above_rated(series: np.ndarray) -> None:
     size = effective_size(len(series))
-    # Squares and indicators of the process decorrelate faster than the process: its own effective size is on the safe side.
+    # Squares and indicators of the process decorrelate faster than it does: its effective size is on the safe side.
     kurtosis = float(stats.weibull_min.stats(SHAPE, moments="k")) + 3
     assert abs(series.var() - VARIANCE) < 4 * VARIANCE * math.sqrt((kurtosis - 1) / size)
     share = math.exp(-1.0)
@@ -109,7 +109,7 @@ def test_memory_stays_the_same_on_a_long_run() -> None:
     nodes = GaussianNodes(1, 0.9)
     for node in range(0, 50 * CHUNK, CHUNK // 2):
         nodes[node]
-    assert len(nodes._chunks) <= 2  # noqa: SLF001 - what is kept is the point here
+    assert len(nodes._chunks) <= 2
 
 
 def test_uncorrelated_draws_where_the_correlation_time_is_zero() -> None:

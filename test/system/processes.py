@@ -42,7 +42,7 @@ LAST_DOMAIN = 101
 
 
 def domain() -> int:
-    """ROS domain of this pytest worker: ROS_DOMAIN_ID (or 20) plus 12 for each worker, within what Linux leaves free."""
+    """ROS domain of this pytest worker: ROS_DOMAIN_ID (or 20) plus 12 for each worker, within what Linux permits."""
     first = int(os.environ.get("ROS_DOMAIN_ID") or FIRST_DOMAIN)
     worker = int("".join(c for c in os.environ.get("PYTEST_XDIST_WORKER", "gw0") if c.isdigit()) or 0)
     return (first + DOMAINS_PER_WORKER * worker) % (LAST_DOMAIN + 1)

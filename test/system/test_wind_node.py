@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
-from test.system.processes import Probe, Process, running
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -18,6 +17,7 @@ from rosgraph_msgs.msg import Clock
 from nw_gear_common.ros import to_seconds
 from nw_gear_sim import config
 from nw_gear_sim.wind import Settings, make_source
+from test.system.processes import Probe, Process, running
 
 TOPIC = "/nw_gear/wind_speed"
 LATCHED = QoSProfile(depth=200, durability=DurabilityPolicy.TRANSIENT_LOCAL)
