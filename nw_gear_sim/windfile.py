@@ -228,7 +228,7 @@ def _assemble(file: str, rows: Sequence[_Row]) -> WindFile:
     start = good[0].moment
     times = np.array([(row.moment - start).total_seconds() for row in good])
     values = np.array([row.values for row in good])
-    interval = float(np.median(np.diff([(row.moment - start).total_seconds() for row in rows])))
+    interval = round(float(np.median(np.diff([(row.moment - start).total_seconds() for row in rows]))), 6)
     steps = np.diff(times)
     missing = (steps > _GAP * interval) | (np.diff(kept) > 1)
     regular = bool(np.all(np.abs(steps[~missing] - interval) <= _REGULAR * interval))

@@ -2,10 +2,13 @@
 
 import csv
 import statistics
+import tempfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from nw_gear_common.errors import InputError
 from nw_gear_sim import windfile
@@ -47,6 +50,21 @@ def test_missing_rows_and_empty_cells_are_gaps(tmp_path: Path) -> None:
         {"start": "2016-03-01T00:30:00", "seconds": 1800.0},
         {"start": "2016-03-01T01:40:00", "seconds": 1200.0},
     ]
+
+
+@given(st.lists(st.booleans(), min_size=4, max_size=40))
+def test_gaps_are_exactly_the_empty_cells(good: list[bool]) -> None:
+    good = [True, True, *good, True]
+    text = "time,wind_speed\n" + "\n".join(f"{10 * i},{7 if ok else ''}" for i, ok in enumerate(good))
+    with tempfile.TemporaryDirectory() as folder:
+        data = windfile.read(write(Path(folder), text))
+    assert len(data.times) + data.empty_rows == len(good)
+    covered = [round(gap.seconds / 10) - 1 for gap in data.gaps]
+    assert sum(covered) == good.count(False)
+    assert all(covered)
+    for gap in data.gaps:
+        first = round(gap.start / 10)
+        assert [good[first], good[first + 1], good[first + round(gap.seconds / 10)]] == [True, False, True]
 
 
 def test_means_are_bridged_linearly_on_the_grid_of_intervals(tmp_path: Path) -> None:
@@ -99,6 +117,11 @@ def test_columns_by_name(tmp_path: Path) -> None:
     assert data.deviations is not None
     assert (list(data.speeds), list(data.deviations)) == ([5.0, 6.0], [0.5, 0.6])
     assert windfile.read(path, "t", "v80").deviations is None
+
+
+def test_rate_far_from_the_start(tmp_path: Path) -> None:
+    text = "time,wind_speed\n" + "\n".join(f"{1.7e9 + i / 20:.2f},5" for i in range(50))
+    assert windfile.read(write(tmp_path, text)).rate_hz == 20.0
 
 
 def test_irregular_series_has_no_rate(tmp_path: Path) -> None:
