@@ -132,21 +132,35 @@ class SpectraCollector:
         if not np.isfinite(amplitude).any():
             return
         if not np.array_equal(self._axis, data[:, 0]):
-            self._axis, self._sum, self._last = data[:, 0].copy(), np.zeros_like(amplitude), np.full_like(amplitude, np.nan)
+            self._axis, self._sum, self._last = (
+                data[:, 0].copy(),
+                np.zeros_like(amplitude),
+                np.full_like(amplitude, np.nan),
+            )
             self._seen, self._count, self._map = np.zeros(len(self._meshes)), 0, Waterfall()
         filled = np.isfinite(amplitude).all(axis=0)
         self._last[:, filled] = amplitude[:, filled]
         self._sum[:, filled] += amplitude[:, filled]
         self._seen += filled
         self._count += 1
-        self._map.add(time, np.stack([amplitude[:, s].max(axis=1) for s in self._of_stage if s], axis=1).astype(np.float32))
+        self._map.add(
+            time, np.stack([amplitude[:, s].max(axis=1) for s in self._of_stage if s], axis=1).astype(np.float32)
+        )
 
     def result(self) -> Spectra | None:
         """What was collected, None where nothing came."""
         rows = self._map.result()
         if rows is None:
             return None
-        return Spectra(self._axis, self._meshes, self._last, self._sum / np.where(self._seen > 0, self._seen, np.nan), rows[0], rows[1], self._count)
+        return Spectra(
+            self._axis,
+            self._meshes,
+            self._last,
+            self._sum / np.where(self._seen > 0, self._seen, np.nan),
+            rows[0],
+            rows[1],
+            self._count,
+        )
 
 
 class RowsCollector:

@@ -45,7 +45,13 @@ def review(
     write(page, render(data))
     if as_json:
         states = {row.stage: row.shares for row in summary.summarise(data).stages}
-        found = {"report": str(page), "format": kind.value, "duration": data.duration, "complete": data.complete, "states": states}
+        found = {
+            "report": str(page),
+            "format": kind.value,
+            "duration": data.duration,
+            "complete": data.complete,
+            "states": states,
+        }
         print(json.dumps(found))
     else:
         print(page)
@@ -58,7 +64,9 @@ def find_recording(run: Path) -> Path:
         InputError: there is no such folder, or nothing of a recording in it.
     """
     if not run.is_dir():
-        raise InputError(str(run), "the folder of a run or of a recording", "no such folder" if not run.exists() else "a file")
+        raise InputError(
+            str(run), "the folder of a run or of a recording", "no such folder" if not run.exists() else "a file"
+        )
     for folder in (run, run / RECORDING):
         if (folder / "metadata.yaml").is_file() or any(folder.glob("*.mcap")):
             return folder
@@ -93,7 +101,9 @@ def write(page: Path, text: str) -> None:
     """
     partial = None
     try:
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=page.parent, prefix=f".{page.name}.", delete=False) as file:
+        with tempfile.NamedTemporaryFile(
+            "w", encoding="utf-8", dir=page.parent, prefix=f".{page.name}.", delete=False
+        ) as file:
             partial = Path(file.name)
             file.write(text)
         mask = os.umask(0)

@@ -41,7 +41,7 @@ class Band:
         return Band(channels, self.time, self.low[:, columns], self.high[:, columns], self.mean[:, columns], self.width)
 
     def with_breaks(self, longest: float) -> Band:
-        """Put a row of NaN wherever neighbouring bins are further apart than `longest` (s), so that no line bridges a gap."""
+        """Put a row of NaN between bins that are further apart than `longest` (s), so that no line bridges a gap."""
         after = np.flatnonzero(np.diff(self.time) > longest) + 1
         if not after.size:
             return self
@@ -69,7 +69,12 @@ class Envelope:
         self._count = np.zeros(bins)
 
     def add(self, time: Array, values: Array) -> None:
-        """Take samples: time (n,) in s, ascending and not before the first of all; values (n, channels). NaN rows are left out."""
+        """Take samples; rows with a NaN are left out.
+
+        Args:
+            time: (n,) in s, ascending, none before the first of all.
+            values: (n, channels).
+        """
         good = np.isfinite(values).all(axis=1)
         if not good.all():
             time, values = time[good], values[good]
@@ -104,8 +109,8 @@ class Envelope:
         if self._origin is None:
             return None
         used = np.flatnonzero(self._count)
-        time = self._origin + (used + 0.5) * self._width
-        mean = self._sum[used] / self._count[used, None]
+        time: Array = self._origin + (used.astype(np.float64) + 0.5) * self._width
+        mean: Array = self._sum[used] / self._count[used, None]
         return Band(self.channels, time, self._low[used], self._high[used], mean, self._width)
 
 
@@ -139,8 +144,9 @@ class Tail:
         """The rows of the last seconds, None where nothing came."""
         if not self._blocks:
             return None
-        rows = np.concatenate(self._blocks)
-        return rows[rows[:, self._column] >= rows[-1, self._column] - self._seconds]
+        rows: Array = np.concatenate(self._blocks)
+        kept: Array = rows[rows[:, self._column] >= rows[-1, self._column] - self._seconds]
+        return kept
 
 
 class Waterfall:

@@ -141,7 +141,9 @@ class Gatherer:
         return self._waveform.last if self._waveform is not None and np.isfinite(self._waveform.last) else log_time
 
     def _spectrum(self, log_time: float, table: Table) -> None:
-        self._spectra.setdefault(names.SPECTRUM, SpectraCollector(table.columns)).add(self._moment(log_time), table.data)
+        self._spectra.setdefault(names.SPECTRUM, SpectraCollector(table.columns)).add(
+            self._moment(log_time), table.data
+        )
 
     def _orders(self, log_time: float, table: Table) -> None:
         self._spectra.setdefault(names.ORDERS, SpectraCollector(table.columns)).add(self._moment(log_time), table.data)
@@ -181,7 +183,9 @@ class Gatherer:
             provenance: metadata of the recording.
         """
         if self._restarts:
-            self.remarks.append(f"The run was restarted {self._restarts} time(s) while recording; the report shows the last run.")
+            self.remarks.append(
+                f"The run was restarted {self._restarts} time(s) while recording; the report shows the last run."
+            )
         stamped = np.isfinite(self._first)
         wave = self._waveform.result() if self._waveform is not None else None
         spectra = {topic: collector.result() for topic, collector in self._spectra.items()}

@@ -31,9 +31,9 @@ class Measured:
 
 
 def find(run: RunData) -> tuple[Measured | None, str]:
-    """The measured wind of a run, and a remark for the reader: empty where the wind wasn't from a file.
+    """The measured wind of a run, and a remark for the reader, empty where the wind wasn't from a file.
 
-    The file is read from where the wind node read it; where it is gone or has changed beyond reading, the remark says so.
+    The file is read from where the wind node read it; where it is gone or can't be read any more, the remark says so.
     """
     values = parameters(run, "wind_node")
     if values.get("source") != "file" or run.wind is None:

@@ -1,4 +1,4 @@
-"""What the report needs to know about a run, as plain data: filled by `gather`, drawn by `figures`, worded by `summary`."""
+"""What the report needs to know about a run: filled by `gather`, drawn by `figures`, worded by `summary`."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Gap:
-    """Samples that are missing in the waveform: seconds of ROS time of the last good sample, and how long until the next."""
+    """Samples missing in the waveform: when the last good one was (s of ROS time), and how long until the next."""
 
     start: float
     seconds: float
@@ -159,7 +159,13 @@ class RunData:
     @property
     def monitored(self) -> bool:
         """Whether anything of the monitor is in the recording."""
-        return bool(self.spectra or self.orders or self.sections or self.indicators or any(self.stage_spans(s) for s in names.STAGES))
+        return bool(
+            self.spectra
+            or self.orders
+            or self.sections
+            or self.indicators
+            or any(self.stage_spans(s) for s in names.STAGES)
+        )
 
     def stage_spans(self, stage: str) -> tuple[Span, ...]:
         """History of the states of one stage."""

@@ -88,7 +88,8 @@ def _summary(summary: Summary, run: RunData) -> Section:
 
 
 def _wind_and_load(run: RunData, time_range: Range1d, measured: Measured | None, remark: str) -> Section:
-    section = Section("wind-and-load", "Wind and load", f"Figures over time are linked: zoom or pan one and all follow. {remark}".strip())
+    text = f"Figures over time are linked: zoom or pan one and all follow. {remark}"
+    section = Section("wind-and-load", "Wind and load", text.strip())
     section.add(1, [operation.wind(run, time_range, measured)], "The wind speed was not recorded.")
     load = [f(run, time_range) for f in (operation.speed, operation.torque, operation.power, operation.mesh_frequency)]
     section.add(2, load, "Neither the shafts nor the waveform were recorded.")
@@ -96,15 +97,19 @@ def _wind_and_load(run: RunData, time_range: Range1d, measured: Measured | None,
 
 
 def _states(run: RunData, time_range: Range1d) -> Section:
-    section = Section("states", "States over time", "What the monitor called each stage; point at a band for the reason.")
-    section.add(1, [states.stages(run, time_range)], NO_MONITOR if not run.monitored else "The monitor published no states.")
+    section = Section(
+        "states", "States over time", "What the monitor called each stage; point at a band for the reason."
+    )
+    section.add(
+        1, [states.stages(run, time_range)], NO_MONITOR if not run.monitored else "The monitor published no states."
+    )
     return section
 
 
 def _displacement(run: RunData, time_range: Range1d) -> Section:
     text = (
-        "Meshing displacement x_n of every mesh, positive when the loaded flanks approach. Left: extremes over the whole run, "
-        "none is lost by the reduction. Right: the last seconds at full rate."
+        "Meshing displacement x_n of every mesh, positive when the loaded flanks approach. Left: extremes over the "
+        "whole run, none is lost by the reduction. Right: the last seconds at full rate."
     )
     section = Section("displacement", "Meshing displacement", text if run.waveform else "")
     source = history.tail_source(run)
@@ -122,8 +127,8 @@ def _forces(run: RunData, time_range: Range1d) -> Section:
     section = Section("forces", "Mesh and bearing forces")
     if run.mesh_force is not None:
         section.text = (
-            "Mesh forces are drawn from the view topic: momentary values at some ten per second, a band from the least to the "
-            "largest of them and their mean. Bearing forces are envelopes of every sample."
+            "Mesh forces come from the view topic, which holds momentary values, some ten per second: a band from the "
+            "least to the largest of them, and their mean. Bearing forces are envelopes of every sample."
         )
     section.add(3, [forces.mesh_force(run, s, time_range) for s in names.STAGES], "Mesh forces were not recorded.")
     bearings = [
@@ -137,7 +142,10 @@ def _forces(run: RunData, time_range: Range1d) -> Section:
 
 
 def _spectra(run: RunData) -> Section:
-    text = "Amplitudes as the monitor published them. Dotted lines: harmonics of the stage's mesh frequency, and those of the others."
+    text = (
+        "Amplitudes as the monitor published them, in its last message and on average. Dotted lines: the stage's mesh "
+        "frequency with its harmonics (dark) and mesh frequencies of the other stages (light), at the end of the run."
+    )
     section = Section("spectra", "Spectra", text if run.spectra or run.orders else "")
     for stage in names.STAGES:
         pair = [spectra.amplitude(run, stage), spectra.orders(run, stage)]
@@ -154,16 +162,18 @@ def _waterfall(run: RunData, time_range: Range1d) -> Section:
 
 def _phase(run: RunData, summary: Summary) -> Section:
     text = (
-        "Top: the path in the plane of displacement and velocity. Below: where it passes once per mesh cycle, at a fixed mesh "
-        "phase: n clusters for period n, a curve for two frequencies, a scattered figure for chaos. Lines of the other stages "
-        "widen a cluster into a ring without being chaos."
+        "Top: the path in the plane of displacement and velocity. Below: where it is once per mesh cycle, at a fixed "
+        "mesh phase: n clusters per planet for period n, a curve for two frequencies, a scattered figure for chaos. "
+        "Lines of the other stages widen a cluster into a ring, and a changing load smears it, without being chaos."
     )
     section = Section("phase", "Phase diagrams and Poincaré sections", text)
     still = NOT_TURNING if run.waveform is not None else "The waveform was not recorded."
     shared = {stage: phase.axes(run, stage) for stage in names.STAGES}
     section.add(3, [phase.portrait(run, s, shared[s]) for s in names.STAGES], still)
     missing = NO_MONITOR if not run.monitored else "The monitor published no section points."
-    section.add(3, [phase.section(run, s, shared[s]) for s in names.STAGES], missing if summary.turning else NOT_TURNING)
+    section.add(
+        3, [phase.section(run, s, shared[s]) for s in names.STAGES], missing if summary.turning else NOT_TURNING
+    )
     return section
 
 
@@ -196,10 +206,13 @@ def _alarms(run: RunData, summary: Summary, time_range: Range1d) -> Section:
 def _truth(run: RunData) -> Section:
     section = Section("truth", "Truth of the simulator")
     if run.truth:
-        section.text = f"What the simulator knows and a monitor has to find out, at the end of the run. {run.truth_message}".strip()
+        text = f"What the simulator knows and a monitor has to find out, at the end of the run. {run.truth_message}"
+        section.text = text.strip()
         section.tables.append(DataTable("Last values", ("Quantity", "Value"), tuple(sorted(run.truth.items()))))
     else:
-        section.missing.append("No truth was recorded: the data may come from a real machine, or the topic was left out.")
+        section.missing.append(
+            "No truth was recorded: the data may come from a real machine, or the topic was left out."
+        )
     return section
 
 

@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from nw_gear_common import names
+from nw_gear_common.tables import Array
 from nw_gear_monitor.review.rundata import LEVEL_WORDS, OK, RunData, Span
 
 RPM = 30.0 / math.pi
@@ -111,10 +112,12 @@ def summarise(run: RunData) -> Summary:
 
 def alarms(run: RunData) -> tuple[Span, ...]:
     """Every stretch of a status above OK, in order of time."""
-    return tuple(sorted((s for own in run.spans.values() for s in own if s.level != OK), key=lambda s: (s.start, s.name)))
+    return tuple(
+        sorted((s for own in run.spans.values() for s in own if s.level != OK), key=lambda s: (s.start, s.name))
+    )
 
 
-def _range(low: np.ndarray, mean: np.ndarray, high: np.ndarray) -> Range:  # type: ignore[type-arg]  # any shape
+def _range(low: Array, mean: Array, high: Array) -> Range:
     return Range(float(np.min(low)), float(np.mean(mean)), float(np.max(high)))
 
 

@@ -62,8 +62,16 @@ def _stage_row(row: StageSummary, run: RunData) -> tuple[Cell, ...]:
 
 def stages(summary: Summary, run: RunData) -> DataTable:
     """Speed, displacement and states of each stage."""
-    head = ("Stage", "Mesh frequency", "RMS (µm)", "Peak to peak (µm)", "States (share of time)", "Worst", "When and why")
-    note = "RMS about the mean, and spread, of the meshing displacement over the whole run; the largest of the stage's meshes."
+    head = (
+        "Stage",
+        "Mesh frequency",
+        "RMS (µm)",
+        "Peak to peak (µm)",
+        "States (share of time)",
+        "Worst",
+        "When and why",
+    )
+    note = "RMS about the mean, and spread, of meshing displacement over the whole run; largest of the stage's meshes."
     return DataTable("Stages", head, tuple(_stage_row(row, run) for row in summary.stages), frozenset({2, 3}), note)
 
 
@@ -72,9 +80,16 @@ def displacement(run: RunData) -> DataTable:
     wave = run.waveform
     assert wave is not None, "only called where there is a waveform"
     rows = tuple(
-        (m, f"{MICRO * wave.lowest[m]:.2f}", f"{MICRO * wave.highest[m]:.2f}", f"{MICRO * wave.rms[m]:.3f}") for m in names.MESHES
+        (m, f"{MICRO * wave.lowest[m]:.2f}", f"{MICRO * wave.highest[m]:.2f}", f"{MICRO * wave.rms[m]:.3f}")
+        for m in names.MESHES
     )
-    return DataTable("Displacement of every mesh", ("Mesh", "Least (µm)", "Largest (µm)", "RMS (µm)"), rows, frozenset({1, 2, 3}), folded=True)
+    return DataTable(
+        "Displacement of every mesh",
+        ("Mesh", "Least (µm)", "Largest (µm)", "RMS (µm)"),
+        rows,
+        frozenset({1, 2, 3}),
+        folded=True,
+    )
 
 
 def gaps(run: RunData) -> DataTable:
@@ -83,7 +98,9 @@ def gaps(run: RunData) -> DataTable:
     assert wave is not None, "only called where there is a waveform"
     rows = tuple((f"{gap.start - run.start:.3f}", f"{1e3 * gap.seconds:.1f}") for gap in wave.gaps[:MOST_ALARMS])
     note = f"The first {MOST_ALARMS} of {len(wave.gaps)}." if len(wave.gaps) > MOST_ALARMS else ""
-    return DataTable("Gaps in the waveform", ("Last sample before (s)", "Until the next (ms)"), rows, frozenset({0, 1}), note)
+    return DataTable(
+        "Gaps in the waveform", ("Last sample before (s)", "Until the next (ms)"), rows, frozenset({0, 1}), note
+    )
 
 
 def bearings(run: RunData) -> DataTable:
@@ -91,7 +108,13 @@ def bearings(run: RunData) -> DataTable:
     rows = []
     for bearing, radial in run.bearing_radial.items():
         axial = run.bearing_axial[bearing]
-        numbers = (radial.mean.mean(), radial.high.max(), axial.mean.mean(), abs(axial.low).max(), abs(axial.high).max())
+        numbers = (
+            radial.mean.mean(),
+            radial.high.max(),
+            axial.mean.mean(),
+            abs(axial.low).max(),
+            abs(axial.high).max(),
+        )
         mean, largest, thrust, low, high = (KILO * float(n) for n in numbers)
         rows.append((bearing, f"{mean:.2f}", f"{largest:.2f}", f"{thrust:.2f}", f"{max(low, high):.2f}"))
     head = ("Bearing", "Radial mean (kN)", "Radial largest (kN)", "Axial mean (kN)", "Axial largest magnitude (kN)")

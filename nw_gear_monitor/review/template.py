@@ -15,12 +15,14 @@ h3 { font-size: 15px; margin: 18px 0 4px; }
 p { margin: 4px 0 10px; max-width: 95ch; }
 .soft, .note { color: var(--soft); }
 .note { font-size: 13px; }
-nav { position: sticky; top: 0; z-index: 50; background: #fffffff2; border-bottom: 1px solid var(--line); margin-top: 10px; }
-nav div { max-width: 1480px; margin: 0 auto; padding: 7px 24px; display: flex; gap: 4px 18px; flex-wrap: wrap; font-size: 13.5px; }
+nav { position: sticky; top: 0; z-index: 50; margin-top: 10px; background: #fffffff2;
+  border-bottom: 1px solid var(--line); }
+nav div { max-width: 1480px; margin: 0 auto; padding: 7px 24px; font-size: 13.5px;
+  display: flex; gap: 4px 18px; flex-wrap: wrap; }
 nav a { color: var(--accent); text-decoration: none; }
 nav a:hover { text-decoration: underline; }
-.headline { font-size: 16px; font-weight: 600; margin: 14px 0 12px; padding: 10px 14px; border-left: 5px solid var(--band);
-  background: var(--tint); max-width: none; }
+.headline { font-size: 16px; font-weight: 600; margin: 14px 0 12px; padding: 10px 14px;
+  border-left: 5px solid var(--band); background: var(--tint); max-width: none; }
 .remark { margin: 8px 0; padding: 8px 14px; border-left: 5px solid #e69f00; background: #fdf6e7; max-width: none; }
 .missing { margin: 8px 0; padding: 8px 14px; border-left: 5px solid #8a8f98; background: var(--tint); max-width: none; }
 dl.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(310px, 1fr)); gap: 2px 28px; margin: 8px 0; }
@@ -32,7 +34,8 @@ th, td { text-align: left; padding: 4px 14px 4px 0; border-bottom: 1px solid var
 th { font-weight: 600; color: var(--soft); white-space: nowrap; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 .wide { overflow-x: auto; }
-.chip { display: inline-block; padding: 0 8px; border-radius: 9px; border: 1px solid #00000022; white-space: nowrap; margin-right: 5px; }
+.chip { display: inline-block; padding: 0 8px; margin-right: 5px; border-radius: 9px; border: 1px solid #00000022;
+  white-space: nowrap; }
 .grid { display: grid; gap: 10px 18px; margin: 8px 0; }
 .c1 { grid-template-columns: minmax(0, 1fr); }
 .c2 { grid-template-columns: repeat(2, minmax(0, 1fr)); }
@@ -40,8 +43,10 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space:
 @media (max-width: 980px) { .c2, .c3 { grid-template-columns: minmax(0, 1fr); } }
 details { margin: 6px 0; border: 1px solid var(--line); border-radius: 4px; padding: 6px 12px; }
 summary { cursor: pointer; font-weight: 600; }
-pre { font-size: 12.5px; line-height: 1.4; overflow: auto; max-height: 420px; background: var(--tint); padding: 10px; }
-footer { color: var(--soft); font-size: 12.5px; margin: 30px 0 24px; border-top: 1px solid var(--line); padding-top: 8px; }
+pre { font-size: 12.5px; line-height: 1.4; overflow: auto; max-height: 420px; padding: 10px;
+  background: var(--tint); }
+footer { color: var(--soft); font-size: 12.5px; margin: 30px 0 24px; padding-top: 8px;
+  border-top: 1px solid var(--line); }
 @media print { nav { display: none; } .grid > div { break-inside: avoid; } }
 """
 
@@ -93,12 +98,28 @@ SUMMARY = """
 TABLE = """
 {% if table.folded %}<details><summary>{{ table.title }}</summary>{% else %}<h3>{{ table.title }}</h3>{% endif %}
 <div class="wide"><table>
-<thead><tr>{% for cell in table.head %}<th{% if loop.index0 in table.numeric %} class="n"{% endif %}>{{ cell }}</th>{% endfor %}</tr></thead>
+<thead><tr>
+{% for cell in table.head %}
+<th{% if loop.index0 in table.numeric %} class="n"{% endif %}>{{ cell }}</th>
+{% endfor %}
+</tr></thead>
 <tbody>
-{% for row in table.rows %}<tr>{% for cell in row %}<td{% if loop.index0 in table.numeric %} class="n"{% endif %}>
-{%- if cell is string %}{{ cell }}{% else %}{% for chip in cell %}<span class="chip" style="background:{{ chip.colour }};color:{{ chip.ink }}">{{ chip.text }}</span>{% endfor %}{% endif -%}
-</td>{% endfor %}</tr>
-{% endfor %}</tbody>
+{% for row in table.rows %}
+<tr>
+{% for cell in row %}
+<td{% if loop.index0 in table.numeric %} class="n"{% endif %}>
+{% if cell is string %}
+{{ cell }}
+{% else %}
+{% for chip in cell %}
+<span class="chip" style="background:{{ chip.colour }};color:{{ chip.ink }}">{{ chip.text }}</span>
+{% endfor %}
+{% endif %}
+</td>
+{% endfor %}
+</tr>
+{% endfor %}
+</tbody>
 </table></div>
 {% if table.note %}<p class="note">{{ table.note }}</p>{% endif %}
 {% if table.folded %}</details>{% endif %}

@@ -1,4 +1,4 @@
-"""A made-up run in the shape of the contract: topics, tables and messages as a recording would give them, in order of time.
+"""A made-up run in the shape of the contract: tables and messages as a recording gives them, in order of time.
 
 The signals are sums of lines at known frequencies and amplitudes, so that every number of a report has a closed form.
 """
@@ -143,4 +143,10 @@ def _monitor(second: int, seconds: int, origin: float) -> Iterator[tuple[str, fl
 
 def _joints(time: float, joints: tuple[str, ...], velocity: float, effort: float) -> SimpleNamespace:
     size = len(joints)
-    return SimpleNamespace(header=_header(time), name=list(joints), position=[0.0] * size, velocity=[velocity] * size, effort=[effort] * size)
+    return SimpleNamespace(
+        header=_header(time),
+        name=list(joints),
+        position=[0.0] * size,
+        velocity=[velocity] * size,
+        effort=[effort] * size,
+    )

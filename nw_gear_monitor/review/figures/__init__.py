@@ -1,1 +1,1 @@
-"""Figures of the report, one kind a file: each takes `RunData` and returns Bokeh models, or nothing where data are missing."""
+"""Figures of the report, one kind a file: from `RunData` to a Bokeh figure, or None where data are missing."""

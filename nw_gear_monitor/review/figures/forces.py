@@ -21,7 +21,9 @@ def mesh_force(run: RunData, stage: str, time_range: Range1d) -> figure | None:
     band = run.mesh_force.select(names.MESHES_OF_STAGE[stage])
     fig = style.time_figure(f"Stage {stage}: mesh force (momentary values)", "Force (kN)", time_range, height=230)
     source = style.band_source(band, run.start, KILO, max(BREAK, 2.0 * band.width))
-    items = [(style.mesh_label(m), style.draw_band(fig, source, m, style.MESH_COLOURS[m], mean=True)) for m in band.channels]
+    items = [
+        (style.mesh_label(m), style.draw_band(fig, source, m, style.MESH_COLOURS[m], mean=True)) for m in band.channels
+    ]
     if len(items) > 1:
         style.add_legend(fig, items)
     return fig
@@ -37,8 +39,6 @@ def bearing_force(run: RunData, bearings: tuple[str, ...], title: str, time_rang
     band = run.waveform.bearing.select(chosen)
     fig = style.time_figure(f"{title}: radial force, envelope", "Force (kN)", time_range, height=250)
     source = style.band_source(band, run.start, KILO, longest_gap(run.waveform))
-    items = [
-        (b, style.draw_band(fig, source, b, colour)) for b, colour in zip(chosen, style.PALETTE, strict=False)
-    ]
+    items = [(b, style.draw_band(fig, source, b, colour)) for b, colour in zip(chosen, style.PALETTE, strict=False)]
     style.add_legend(fig, items)
     return fig

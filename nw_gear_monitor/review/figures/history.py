@@ -59,11 +59,17 @@ def samples(run: RunData, stage: str, source: ColumnDataSource) -> figure | None
     frequency = abs(float(waveform.mesh_frequency.mean[-1, names.STAGES.index(stage)]))
     shown = min(end - begin, CYCLES_SHOWN / frequency) if frequency > 0.0 else end - begin
     span = Range1d(end - shown, end, bounds=(begin, end))
-    title = f"Stage {stage}: last {shown:.2g} s, every sample at {waveform.rate:.0f} Hz (pan back for {end - begin:.2g} s)"
-    fig = style.make_figure(title, "Time since start (s)", "Displacement (µm)", height=250, x_range=span, tools=style.TIME_TOOLS)
+    title = (
+        f"Stage {stage}: last {shown:.2g} s, every sample at {waveform.rate:.0f} Hz (pan back for {end - begin:.2g} s)"
+    )
+    fig = style.make_figure(
+        title, "Time since start (s)", "Displacement (µm)", height=250, x_range=span, tools=style.TIME_TOOLS
+    )
     meshes = names.MESHES_OF_STAGE[stage]
     lines = [fig.line("t", m, source=source, line_color=style.MESH_COLOURS[m], line_width=1.2) for m in meshes]
     if len(meshes) > 1:
         style.add_legend(fig, [(style.mesh_label(m), [line]) for m, line in zip(meshes, lines, strict=True)])
-    style.hover(fig, lines[:1], [("time", "@t{0.0000} s"), *((style.mesh_label(m), f"@{m}{{0.00}} µm") for m in meshes)])
+    style.hover(
+        fig, lines[:1], [("time", "@t{0.0000} s"), *((style.mesh_label(m), f"@{m}{{0.00}} µm") for m in meshes)]
+    )
     return fig

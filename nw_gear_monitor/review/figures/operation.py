@@ -41,7 +41,13 @@ def _measured(fig: figure, measured: Measured, duration: float) -> list[tuple[st
     deviations = measured.deviations[rows]
     ends = np.append(times[1:], times[-1] + measured.interval)
     band = fig.quad(
-        left=times, right=ends, bottom=speeds - deviations, top=speeds + deviations, color=style.VERMILION, alpha=0.15, line_color=None
+        left=times,
+        right=ends,
+        bottom=speeds - deviations,
+        top=speeds + deviations,
+        color=style.VERMILION,
+        alpha=0.15,
+        line_color=None,
     )
     mean = fig.segment(times, speeds, ends, speeds, line_color=style.VERMILION, line_width=2)
     return [("measured mean", [mean]), ("measured standard deviation", [band])]
@@ -89,7 +95,8 @@ def mesh_frequency(run: RunData, time_range: Range1d) -> figure | None:
     fig = style.time_figure("Mesh frequencies", "Frequency (Hz)", time_range, height=230)
     source = style.band_source(band, run.start, 1.0, max(BREAK, 2.0 * band.width))
     lines = [
-        (s, fig.line("t", f"mean_{s}", source=source, line_color=style.STAGE_COLOURS[s], line_width=1.5)) for s in band.channels
+        (s, fig.line("t", f"mean_{s}", source=source, line_color=style.STAGE_COLOURS[s], line_width=1.5))
+        for s in band.channels
     ]
     style.add_legend(fig, [(f"stage {stage}", [line]) for stage, line in lines])
     for stage, line in lines:

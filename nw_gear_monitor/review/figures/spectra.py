@@ -25,7 +25,7 @@ BINS = 6000
 
 def _y_range(amplitude: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Range1d:
     top = max(float(np.nanmax(amplitude, initial=0.0)), 10.0 * FLOOR)
-    bottom = max(FLOOR, 0.3 * float(np.nanpercentile(np.maximum(amplitude, FLOOR), 1.0)), 10.0 ** -DECADES * top)
+    bottom = max(FLOOR, 0.3 * float(np.nanpercentile(np.maximum(amplitude, FLOOR), 1.0)), 10.0**-DECADES * top)
     return Range1d(bottom, 4.0 * top)
 
 
@@ -45,7 +45,9 @@ def _curves(fig: figure, spectra: Spectra, stage: str, highest: float, unit: str
     if spectra.count > 1:
         mean = fig.line("axis", f"mean_{meshes[0]}", source=source, line_color=style.GREY, line_width=1, line_alpha=0.7)
         items.append((f"mean of the run ({style.mesh_label(meshes[0])})", [mean]))
-    lines = [fig.line("axis", f"last_{m}", source=source, line_color=style.MESH_COLOURS[m], line_width=1.1) for m in meshes]
+    lines = [
+        fig.line("axis", f"last_{m}", source=source, line_color=style.MESH_COLOURS[m], line_width=1.1) for m in meshes
+    ]
     items += [(f"{style.mesh_label(m)}, at the end", [line]) for m, line in zip(meshes, lines, strict=True)]
     style.add_legend(fig, items)
     pattern = "@axis{0.00}"
@@ -80,9 +82,7 @@ def amplitude(run: RunData, stage: str) -> figure | None:
     highest = float(run.spectra.axis[-1])
     title = f"Stage {stage}: amplitude spectrum"
     shown = Range1d(0.0, min(HIGHEST[stage], highest), bounds=(0.0, highest))
-    fig = style.make_figure(
-        title, "Frequency (Hz)", "Amplitude (µm)", height=300, x_range=shown, y_type="log"
-    )
+    fig = style.make_figure(title, "Frequency (Hz)", "Amplitude (µm)", height=300, x_range=shown, y_type="log")
     fig.frame_height = FRAME_HEIGHT
     _curves(fig, run.spectra, stage, highest, "frequency (Hz)")
     if run.waveform is not None:
@@ -90,13 +90,16 @@ def amplitude(run: RunData, stage: str) -> figure | None:
         rows = iter((2, 3))
         for other, frequency in zip(names.STAGES, now, strict=True):
             own = other == stage
-            lines = [(float(k * abs(frequency)), f"{k if k > 1 else ''}f_{other}") for k in range(1, HARMONICS + 1 if own else 2)]
+            lines = [
+                (float(k * abs(frequency)), f"{k if k > 1 else ''}f_{other}")
+                for k in range(1, HARMONICS + 1 if own else 2)
+            ]
             _mark_lines(fig, lines, style.INK if own else style.SKY, highest, 1 if own else next(rows))
     return fig
 
 
 def orders(run: RunData, stage: str) -> figure | None:
-    """Order spectrum of one stage (multiples of its mesh frequency), resampled to mesh phase, so that speed doesn't smear it."""
+    """Order spectrum of one stage: over multiples of its mesh frequency, not smeared by changes of speed."""
     if run.orders is None:
         return None
     highest = min(HIGHEST_ORDER, float(run.orders.axis[-1]))

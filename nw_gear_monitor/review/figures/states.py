@@ -34,9 +34,22 @@ def _source(run: RunData, rows: dict[str, tuple[Span, ...]], colours: list[str])
 
 def _bands(fig: figure, source: ColumnDataSource) -> None:
     bars = fig.hbar(
-        y="row", left="left", right="right", height=0.72, source=source, fill_color="colour", line_color="white", line_width=0.5
+        y="row",
+        left="left",
+        right="right",
+        height=0.72,
+        source=source,
+        fill_color="colour",
+        line_color="white",
+        line_width=0.5,
     )
-    tips = [("state", "@state"), ("level", "@level"), ("reason", "@reason"), ("from", "@left{0.0} s"), ("to", "@right{0.0} s")]
+    tips = [
+        ("state", "@state"),
+        ("level", "@level"),
+        ("reason", "@reason"),
+        ("from", "@left{0.0} s"),
+        ("to", "@right{0.0} s"),
+    ]
     style.hover(fig, [bars], tips)
 
 
@@ -68,7 +81,10 @@ def stages(run: RunData, time_range: Range1d) -> figure | None:
 
 def levels(run: RunData, time_range: Range1d) -> figure | None:
     """Level of every diagnostic status over time."""
-    rows = {name.split(": ", 1)[-1] if name.startswith("gear_monitor_node") else name: own for name, own in run.spans.items()}
+    rows = {
+        name.split(": ", 1)[-1] if name.startswith("gear_monitor_node") else name: own
+        for name, own in run.spans.items()
+    }
     if not rows:
         return None
     height = 96 + 22 * len(rows)

@@ -1,8 +1,9 @@
-"""How every figure looks: colours that colour-blind readers can tell apart, fonts, axes, legends outside of the data."""
+"""How every figure looks: colours that colour-blind readers can tell apart, fonts, axes, legends outside the data."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -68,7 +69,7 @@ def make_figure(
     y_type: str = "auto",
     tools: str = TOOLS,
     sizing: SizingModeType = "stretch_width",
-    **options: object,
+    **options: Any,
 ) -> figure:
     """An empty figure in the style of the report."""
     if x_range is not None:
@@ -92,7 +93,7 @@ def make_figure(
     return fig
 
 
-def time_figure(title: str, y_label: str, time_range: Range1d, **options: object) -> figure:
+def time_figure(title: str, y_label: str, time_range: Range1d, **options: Any) -> figure:
     """A figure over the run's time, linked to all others of its kind."""
     return make_figure(title, "Time since start (s)", y_label, x_range=time_range, tools=TIME_TOOLS, **options)
 
@@ -126,7 +127,7 @@ def small(values: Array) -> npt.NDArray[np.float32]:
 
 
 def band_source(band: Band, start: float, scale: float, longest_gap: float) -> ColumnDataSource:
-    """Data of a band: `t`, and `low_<c>`, `high_<c>`, `mean_<c>` of every channel, times `scale`, broken at gaps (s)."""
+    """Data of a band, broken at gaps (s): `t`, and `low_<c>`, `high_<c>`, `mean_<c>` of each channel times `scale`."""
     broken = band.with_breaks(longest_gap)
     data: dict[str, npt.NDArray[np.float32]] = {"t": small(broken.time - start)}
     for i, channel in enumerate(band.channels):
@@ -136,7 +137,9 @@ def band_source(band: Band, start: float, scale: float, longest_gap: float) -> C
     return ColumnDataSource(data)
 
 
-def draw_band(fig: figure, source: ColumnDataSource, channel: str, colour: str, *, mean: bool = False) -> list[GlyphRenderer]:
+def draw_band(
+    fig: figure, source: ColumnDataSource, channel: str, colour: str, *, mean: bool = False
+) -> list[GlyphRenderer]:
     """Draw one channel of a band: an area from its minimum to its maximum, with the mean as a line where wanted."""
     area = fig.varea("t", f"low_{channel}", f"high_{channel}", source=source, fill_color=colour, fill_alpha=0.25)
     edges = [
@@ -156,7 +159,9 @@ def mark(fig: figure, at: float, *, vertical: bool = True, colour: str = GREY, d
     )
 
 
-def hover(fig: figure, renderers: Sequence[GlyphRenderer], tooltips: Sequence[tuple[str, str]], mode: str = "mouse") -> None:
+def hover(
+    fig: figure, renderers: Sequence[GlyphRenderer], tooltips: Sequence[tuple[str, str]], mode: str = "mouse"
+) -> None:
     """Show values under the pointer."""
     fig.add_tools(HoverTool(renderers=list(renderers), tooltips=list(tooltips), mode=mode, line_policy="nearest"))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from bokeh.models import ColorBar, FixedTicker, LinearColorMapper, Range1d
 from bokeh.palettes import Cividis256
@@ -67,4 +69,4 @@ def _stretches(times: np.ndarray[tuple[int], np.dtype[np.float64]], hop: float) 
     """Runs of columns without a missing message in between."""
     cuts = np.flatnonzero(np.diff(times) > 1.5 * hop) + 1
     edges = [0, *cuts.tolist(), len(times)]
-    return list(zip(edges[:-1], edges[1:], strict=True))
+    return list(pairwise(edges))

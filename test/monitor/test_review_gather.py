@@ -1,0 +1,145 @@
+"""What is gathered from a made-up run, and what the summary says of it, against the run's closed form."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nw_gear_common import names
+from nw_gear_common.tables import Table
+from nw_gear_monitor.review import summary
+from nw_gear_monitor.review.gather import Gatherer
+from nw_gear_monitor.review.rundata import WARN
+from test.monitor import synthetic
+
+SECONDS = 12
+ORIGIN = 1.75e9
+
+
+def feed(gatherer, items):
+    for topic, at, payload in items:
+        (gatherer.table if isinstance(payload, Table) else gatherer.message)(topic, at, payload)
+
+
+def gathered(items, seconds=SECONDS, origin=ORIGIN):
+    gatherer = Gatherer()
+    feed(gatherer, items)
+    return gatherer.result(Path("run/recording"), True, (origin, origin + seconds), {}, synthetic.PROVENANCE)
+
+
+@pytest.fixture(scope="module")
+def run():
+    return gathered(synthetic.stream(SECONDS, origin=ORIGIN))
+
+
+def test_duration_and_start_are_those_of_the_samples(run):
+    assert run.start == ORIGIN
+    assert run.duration == pytest.approx(SECONDS - 1 / synthetic.RATE, abs=1e-6)
+    assert run.wall_time
+    assert run.monitored
+
+
+def test_waveform_statistics_have_their_closed_form(run):
+    wave = run.waveform
+    assert wave.samples == SECONDS * synthetic.RATE
+    assert wave.rate == pytest.approx(synthetic.RATE, rel=1e-3)  # stamps near 1.75e9 s resolve 0.24 us
+    assert not wave.gaps
+    for mesh in names.MESHES:
+        stage = names.STAGE_OF_MESH[mesh]
+        assert wave.rms[mesh] == pytest.approx(synthetic.AMPLITUDE[stage] / math.sqrt(2.0), rel=1e-3)
+        assert wave.highest[mesh] == pytest.approx(synthetic.OFFSET[stage] + synthetic.AMPLITUDE[stage], rel=1e-5)
+        assert wave.lowest[mesh] == pytest.approx(synthetic.OFFSET[stage] - synthetic.AMPLITUDE[stage], rel=1e-5)
+    for stage in names.STAGES:
+        frequency = wave.mesh_frequency.select((stage,)).mean
+        assert np.allclose(frequency, synthetic.FREQUENCY[stage], rtol=1e-4)
+
+
+def test_summary_says_what_the_run_was(run):
+    found = summary.summarise(run)
+    assert found.speed.mean == pytest.approx(synthetic.RING_SPEED)
+    assert found.torque.mean == pytest.approx(synthetic.TORQUE)
+    assert found.power.mean == pytest.approx(synthetic.RING_SPEED * synthetic.TORQUE)
+    assert found.wind.low >= synthetic.WIND - 1.0
+    assert found.wind.high <= synthetic.WIND + 1.0
+    row = found.stages[1]
+    assert row.frequency.mean == pytest.approx(synthetic.FREQUENCY["II"], rel=1e-4)
+    assert row.peak_to_peak == pytest.approx(2.0 * synthetic.AMPLITUDE["II"], rel=1e-3)
+    assert found.turning
+
+
+def test_shares_of_states_follow_their_spans(run):
+    found = summary.summarise(run)
+    stage, worst = found.worst
+    assert (stage, worst.state, worst.level) == ("II", names.CHAOTIC, WARN)
+    # chaotic from second 6 until the label changes at second 9, labels from second 1 to 12
+    assert worst.start - ORIGIN == pytest.approx(6.0)
+    assert worst.duration == pytest.approx(3.0)
+    assert found.stages[1].shares == pytest.approx({"period-1": 8.0 / 11.0, names.CHAOTIC: 3.0 / 11.0})
+    assert [span.name for span in found.alarms] == ["gear_monitor_node: stage II"]
+    assert "stage II chaotic for 27 %" in summary.headline(run, found)
+    assert "unexplained variance 0.31" in summary.headline(run, found)
+
+
+def test_unknown_is_not_worse_than_what_is_known():
+    states = {"II": (0, names.UNKNOWN, "5 of at least 8 s seen")}
+    items = [
+        *synthetic.stream(2, origin=ORIGIN, monitor=False),
+        (names.DIAGNOSTICS, ORIGIN + 2.0, synthetic.diagnostics(ORIGIN + 2.0, states)),
+        (names.DIAGNOSTICS, ORIGIN + 90, synthetic.diagnostics(ORIGIN + 90.0, {"II": (0, "period-2", "f_II/2")})),
+        (names.DIAGNOSTICS, ORIGIN + 91, synthetic.diagnostics(ORIGIN + 91.0, {"II": (0, "period-2", "f_II/2")})),
+    ]
+    _stage, worst = summary.summarise(gathered(items)).worst
+    assert worst.state == "period-2"
+    assert worst.reason == "f_II/2"
+
+
+def test_lost_blocks_are_counted_as_gaps():
+    items = [
+        (topic, at, payload)
+        for topic, at, payload in synthetic.stream(2, monitor=False)
+        if topic != names.WAVEFORM or not 0.5 < payload.data[0, 0] + 0.001 < 0.7
+    ]
+    run = gathered(items, 2, 0.0)
+    assert len(run.waveform.gaps) == 1
+    gap = run.waveform.gaps[0]
+    assert gap.start == pytest.approx(0.5 - 1 / synthetic.RATE)
+    assert gap.seconds == pytest.approx(0.2 + 1 / synthetic.RATE)
+    assert run.waveform.samples == 2 * synthetic.RATE - 4 * synthetic.BLOCK
+
+
+def test_a_restart_shows_the_last_run_and_says_so():
+    run = gathered([*synthetic.stream(5), *synthetic.stream(2)], 5, 0.0)
+    assert run.duration == pytest.approx(2.0, abs=0.01)
+    assert run.waveform.samples == 2 * synthetic.RATE
+    assert "restarted 1 time" in run.remarks[0]
+
+
+def test_spectra_and_sections_are_those_that_were_published(run):
+    assert run.spectra.count == SECONDS
+    column = run.spectra.meshes.index("II_1")
+    assert run.spectra.last[:, column].max() == synthetic.AMPLITUDE["II"]
+    assert run.spectra.axis[run.spectra.last[:, column].argmax()] == pytest.approx(synthetic.FREQUENCY["II"], abs=0.13)
+    assert np.allclose(run.spectra.mean, run.spectra.last)
+    assert run.spectra.times[-1] - run.start == pytest.approx(SECONDS, abs=0.01)
+    points = run.sections["I"]
+    assert set(points[:, 1]) == {1.0, 2.0, 3.0}
+    assert len(points) == pytest.approx(3 * SECONDS * synthetic.FREQUENCY["I"], abs=4)
+
+
+def test_without_a_monitor_nothing_is_invented():
+    run = gathered(synthetic.stream(2, monitor=False), 2, 0.0)
+    assert not run.monitored
+    assert run.spectra is None
+    assert "No monitor" in summary.headline(run, summary.summarise(run))
+
+
+def test_memory_of_the_history_is_bounded():
+    gatherer = Gatherer()
+    columns = ("time", "rms")
+    for i in range(30_000):
+        gatherer.table(names.indicators_topic("III"), 0.0, Table("row", columns, np.array([[float(i), 1.0]])))
+    run = gatherer.result(Path("x"), True, (0.0, 1.0), {}, {})
+    rows = run.indicators["III"]
+    assert 2000 <= len(rows) <= 4001
+    assert np.all(np.diff(rows.column("time")) == np.diff(rows.column("time"))[0])
