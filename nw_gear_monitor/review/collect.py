@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from nw_gear_monitor.review.rundata import Gap, Span, Spectra, Waveform
 TAIL_SECONDS = 4.0
 SECTION_SECONDS = 30.0
 BATCH = 256
+AFTER_END = 1.0
+"""Seconds after the last sample in which a status may still tell of the run."""
 LONGEST_HISTORY = 4000
 """Rows of indicators kept per mesh; every second one is dropped when there are more."""
 
@@ -212,6 +215,13 @@ class DiagnosticsCollector:
                 spans[-1] = Span(before.name, before.start, time, before.level, before.state, before.reason)
             spans.append(Span(status.name, begin, time, level, state, reason))
 
-    def result(self) -> dict[str, tuple[Span, ...]]:
-        """The history of every status."""
-        return {name: tuple(spans) for name, spans in sorted(self._spans.items())}
+    def result(self, start: float, end: float) -> dict[str, tuple[Span, ...]]:
+        """The history of every status between two times (s); what was said before the run and after it is left out."""
+        found = {}
+        for name, spans in sorted(self._spans.items()):
+            kept = [span for span in spans if span.end >= start and span.start <= end + AFTER_END]
+            found[name] = tuple(
+                dataclasses.replace(span, start=max(span.start, start), end=min(span.end, end + AFTER_END))
+                for span in kept
+            )
+        return {name: spans for name, spans in found.items() if spans}

@@ -184,9 +184,9 @@ class Gatherer:
         """
         if self._restarts:
             self.remarks.append(
-                f"The run was restarted {self._restarts} time(s) while recording; the report shows the last run."
+                f"The run was restarted while recording ({self._restarts}x); the report shows the last run."
             )
-        stamped = np.isfinite(self._first)
+        start, end = (self._first, self._last) if np.isfinite(self._first) else bounds
         wave = self._waveform.result() if self._waveform is not None else None
         spectra = {topic: collector.result() for topic, collector in self._spectra.items()}
         sections = {stage: tail.result() for stage, tail in self._sections.items()}
@@ -194,8 +194,8 @@ class Gatherer:
             source=source,
             complete=complete,
             remarks=tuple(self.remarks),
-            start=self._first if stamped else bounds[0],
-            end=self._last if stamped else bounds[1],
+            start=start,
+            end=end,
             topics=topics,
             provenance=provenance,
             wind=self._wind.result(),
@@ -209,7 +209,7 @@ class Gatherer:
             orders=spectra.get(names.ORDERS),
             sections={stage: points for stage, points in sections.items() if points is not None},
             indicators={mesh: rows.result() for mesh, rows in sorted(self._rows.items())},
-            spans=self._states.result(),
+            spans=self._states.result(start, end),
             values=self._states.values,
             truth=self._truth_values,
             truth_message=self._truth_message,

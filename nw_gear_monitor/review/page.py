@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import jinja2
 from bokeh.embed import components
 from bokeh.resources import Resources
@@ -10,7 +12,7 @@ from markupsafe import Markup
 import nw_gear_common
 from nw_gear_monitor.review import measured, sections, summary, template
 from nw_gear_monitor.review.figures import style
-from nw_gear_monitor.review.rundata import RunData
+from nw_gear_monitor.review.rundata import LEVEL_WORDS, RunData
 
 
 def render(run: RunData) -> str:
@@ -50,6 +52,17 @@ def _name(run: RunData) -> str:
     return run.source.parent.name if run.source.name == "recording" else run.source.name
 
 
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}" + ("" if number == 1 else "s")
+
+
+def _alarms(run: RunData, numbers: summary.Summary) -> str:
+    if not run.spans:
+        return "no diagnostics recorded"
+    by_level = Counter(span.level for span in numbers.alarms)
+    return ", ".join(_count(by_level[level], LEVEL_WORDS.get(level, "other")) for level in sorted(by_level)) or "none"
+
+
 def facts(run: RunData, numbers: summary.Summary) -> list[tuple[str, str]]:
     """What ran, when and in which range, as pairs of words."""
     wave = run.waveform
@@ -57,7 +70,7 @@ def facts(run: RunData, numbers: summary.Summary) -> list[tuple[str, str]]:
         samples = "not recorded"
     else:
         missing = sum(gap.seconds for gap in wave.gaps)
-        lost = f"{len(wave.gaps)} gap(s), {missing:.3f} s in all" if wave.gaps else "no gaps"
+        lost = f"{_count(len(wave.gaps), 'gap')}, {missing:.3f} s in all" if wave.gaps else "no gaps"
         samples = f"{wave.samples} at {wave.rate:.0f} Hz, {lost}"
     state = "complete" if run.complete else "damaged, read through a repaired copy"
     known = ", ".join(f"{key} {value}" for key, value in run.truth.items() if key in ("excitation", "faults"))
@@ -72,7 +85,7 @@ def facts(run: RunData, numbers: summary.Summary) -> list[tuple[str, str]]:
         ("Input power", summary.in_words(numbers.power, 1e-6, "MW", 3)),
         ("Samples", samples),
         ("Recording", state),
-        ("Alarms", f"{len(numbers.alarms)} warning(s) or alarm(s)" if run.spans else "no diagnostics recorded"),
+        ("Warnings", _alarms(run, numbers)),
         ("Truth", known or ("known, see below" if run.truth else "not recorded")),
         ("Software", ", ".join(f"{k} {v}" for k, v in list(summary.versions(run).items())[:4]) or "not recorded"),
         ("Command", run.provenance.get("nw_gear.run", {}).get("command_line", "not recorded")),

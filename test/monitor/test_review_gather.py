@@ -82,16 +82,24 @@ def test_shares_of_states_follow_their_spans(run):
 
 
 def test_unknown_is_not_worse_than_what_is_known():
-    states = {"II": (0, names.UNKNOWN, "5 of at least 8 s seen")}
-    items = [
-        *synthetic.stream(2, origin=ORIGIN, monitor=False),
-        (names.DIAGNOSTICS, ORIGIN + 2.0, synthetic.diagnostics(ORIGIN + 2.0, states)),
-        (names.DIAGNOSTICS, ORIGIN + 90, synthetic.diagnostics(ORIGIN + 90.0, {"II": (0, "period-2", "f_II/2")})),
-        (names.DIAGNOSTICS, ORIGIN + 91, synthetic.diagnostics(ORIGIN + 91.0, {"II": (0, "period-2", "f_II/2")})),
-    ]
+    said = [(0.1, (0, names.UNKNOWN, "5 of at least 8 s seen")), (1.8, (0, "period-2", "f_II/2"))]
+    items = list(synthetic.stream(2, origin=ORIGIN, monitor=False))
+    items += [(names.DIAGNOSTICS, ORIGIN, synthetic.diagnostics(ORIGIN + at, {"II": status})) for at, status in said]
     _stage, worst = summary.summarise(gathered(items)).worst
     assert worst.state == "period-2"
     assert worst.reason == "f_II/2"
+
+
+def test_what_was_said_before_the_run_and_after_it_does_not_count():
+    said = [(-5.0, "waiting"), (1.0, "period-1"), (2.0, "period-1"), (9.0, names.STALE)]
+    items = list(synthetic.stream(2, origin=ORIGIN, monitor=False))
+    items += [
+        (names.DIAGNOSTICS, ORIGIN, synthetic.diagnostics(ORIGIN + at, {"II": (0, state, "because")}))
+        for at, state in said
+    ]
+    spans = gathered(items).stage_spans("II")
+    assert [(s.state, s.start - ORIGIN) for s in spans] == [("waiting", 0.0), ("period-1", 1.0)]
+    assert spans[-1].end - ORIGIN == pytest.approx(3.0, abs=0.001)
 
 
 def test_lost_blocks_are_counted_as_gaps():
@@ -112,7 +120,7 @@ def test_a_restart_shows_the_last_run_and_says_so():
     run = gathered([*synthetic.stream(5), *synthetic.stream(2)], 5, 0.0)
     assert run.duration == pytest.approx(2.0, abs=0.01)
     assert run.waveform.samples == 2 * synthetic.RATE
-    assert "restarted 1 time" in run.remarks[0]
+    assert "restarted while recording (1x)" in run.remarks[0]
 
 
 def test_spectra_and_sections_are_those_that_were_published(run):

@@ -61,6 +61,7 @@ def _key(fig: figure, row: str, colours: dict[str, str]) -> None:
         items.append((text, [square]))
     style.add_legend(fig, items)
     fig.legend[0].click_policy = "none"
+    fig.legend[0].glyph_width = fig.legend[0].glyph_height = fig.legend[0].label_height = 18
 
 
 def stages(run: RunData, time_range: Range1d) -> figure | None:
