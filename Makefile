@@ -42,10 +42,10 @@ demo: $(COMPILED)
 	$(BIN)/nw_gear demo --duration $(DURATION) $(ARGS)
 
 test: $(COMPILED)
-	$(BIN)/python -m pytest -m "not slow" $(ARGS)
-
-test-all: lint $(NODE_MODULES)
 	$(BIN)/python -m pytest $(ARGS)
+
+test-all: lint $(COMPILED) $(NODE_MODULES)
+	$(BIN)/python -m pytest -m "" $(ARGS)
 
 # The recordings are also read on Node.js; where there is none those tests say so and are skipped.
 $(NODE_MODULES): test/node/package-lock.json

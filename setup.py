@@ -10,7 +10,17 @@ EXECUTABLES = ("wind_node", "gear_sim_node", "gear_monitor_node", "recorder_node
 VERSION = re.findall(r'__version__ = "(.+)"', Path("nw_gear_common/__init__.py").read_text(encoding="utf-8"))[0]
 
 # ROS itself isn't listed: it comes from the distribution or from requirements/runtime.txt.
-RUNTIME = ("numpy", "scipy", "numba", "PyYAML>=6", "mcap>=1.2", "mcap-ros2-support>=0.5", "bokeh>=3.4", "typer>=0.12", "rich")
+RUNTIME = (
+    "numpy",
+    "scipy",
+    "numba",
+    "PyYAML>=6",
+    "mcap>=1.2",
+    "mcap-ros2-support>=0.5",
+    "bokeh>=3.4",
+    "typer>=0.12",
+    "rich",
+)
 
 
 def files(folder: str, *patterns: str) -> list[str]:

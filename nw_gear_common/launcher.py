@@ -13,13 +13,15 @@ import signal
 import sys
 from types import FrameType
 
-_NODES = {
+NODES = {
     "wind_node": "nw_gear_sim.nodes.wind_node",
     "gear_sim_node": "nw_gear_sim.nodes.gear_sim_node",
     "gear_monitor_node": "nw_gear_monitor.nodes.gear_monitor_node",
     "recorder_node": "nw_gear_monitor.nodes.recorder_node",
     "replay_node": "nw_gear_monitor.nodes.replay_node",
 }
+"""Module of each node; it has `main(argv)` and its parameters as `Settings`."""
+
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -34,7 +36,7 @@ def _leave_with_signal(number: int, _frame: FrameType | None) -> None:
 def _run_node(name: str) -> int:
     for number in SIGNALS:
         signal.signal(number, _leave_with_zero)
-    return int(importlib.import_module(_NODES[name]).main(sys.argv))
+    return int(importlib.import_module(NODES[name]).main(sys.argv))
 
 
 def wind_node() -> int:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from nw_gear_monitor.gearing import gearing
+from nw_gear_monitor.warm_up import warm_up
+from nw_gear_sim import config
 from nw_gear_sim.simulation import compile_kernels
 
 
 def main() -> None:
-    """Compile the simulator's kernels."""
+    """Compile the kernels of the simulator, then those of the monitor."""
     compile_kernels()
+    warm_up(gearing(config.load(None)))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,66 @@
+"""Wind, gearbox and monitor, and a recorder where a folder is named.
+
+ros2 launch nw_gear simulate.launch.py
+ros2 launch nw_gear simulate.launch.py wind:=gust seed:=3 record:=runs/gust real_time_factor:=0.0
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, Shutdown
+from launch.conditions import IfCondition
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+PACKAGE = "nw_gear"
+DEFAULTS = PathJoinSubstitution([FindPackageShare(PACKAGE), "config", "nodes.yaml"])
+NOT_REAL_TIME = PythonExpression([LaunchConfiguration("real_time_factor"), " != 1.0"])
+
+ARGUMENTS = (
+    ("namespace", PACKAGE, "Namespace of all nodes."),
+    ("params_file", DEFAULTS, "ROS parameter file for all nodes."),
+    ("config", "", "Configuration laid over the default gearbox: a YAML file, or the name of a preset."),
+    ("wind", "weibull", "Source of the wind: weibull, constant, step, gust or file."),
+    ("wind_file", "", "CSV file of the measured wind, for wind:=file."),
+    ("seed", "1", "Seed of the wind."),
+    ("real_time_factor", "1.0", "Simulated seconds per second of wall time; 0.0 = as fast as possible."),
+    ("use_sim_time", NOT_REAL_TIME, "Follow /clock; by itself true where real_time_factor isn't 1."),
+    ("duration", "0.0", "Simulated seconds after which everything ends; 0.0 = never."),
+    ("record", "", "New folder of the recording; empty = don't record."),
+)
+
+
+def given(name: str, kind: type) -> ParameterValue:
+    """A launch argument as a ROS parameter of a fixed type."""
+    return ParameterValue(LaunchConfiguration(name), value_type=kind)
+
+
+def node(executable: str, parameters: dict, **kwargs) -> Node:
+    """One node of this package in the common namespace."""
+    return Node(
+        package=PACKAGE,
+        executable=executable,
+        namespace=LaunchConfiguration("namespace"),
+        parameters=[LaunchConfiguration("params_file"), parameters],
+        output="screen",
+        **kwargs,
+    )
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Start the suite; the end of the simulator ends everything."""
+    clocked = {"use_sim_time": given("use_sim_time", bool)}
+    config = {"config": given("config", str)}
+    wind = {"source": given("wind", str), "file": given("wind_file", str), "seed": given("seed", int)}
+    pace = {"real_time_factor": given("real_time_factor", float), "duration": given("duration", float)}
+    recorded = PythonExpression(["'", LaunchConfiguration("record"), "' != ''"])
+    audience = {"wait_for": ParameterValue(PythonExpression(["1 + int(", recorded, ")"]), value_type=int)}
+    return LaunchDescription(
+        [
+            *(DeclareLaunchArgument(name, default_value=value, description=text) for name, value, text in ARGUMENTS),
+            node("recorder_node", {"uri": given("record", str), **clocked}, condition=IfCondition(recorded)),
+            node("gear_monitor_node", {**config, **clocked}),
+            node("gear_sim_node", {**config, **pace, **audience}, on_exit=Shutdown()),
+            node("wind_node", {**config, **wind, **clocked}),
+        ]
+    )
