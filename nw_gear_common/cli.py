@@ -41,7 +41,9 @@ def _show_version(wanted: bool) -> None:
 
 
 def _options(
-    _version: bool = typer.Option(False, "--version", callback=_show_version, is_eager=True, help="Show the version and exit."),
+    _version: bool = typer.Option(
+        False, "--version", callback=_show_version, is_eager=True, help="Show the version and exit."
+    ),
 ) -> None:
     """Virtual condition monitoring of a wind turbine's planetary gearbox."""
 

@@ -29,14 +29,18 @@ SUBSCRIBERS = 2
 
 def demo(
     duration: Annotated[float, typer.Option(help="Simulated seconds to record.", min=0.05)] = 30.0,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="New folder of the run (default runs/<time>).")] = None,
-    config: Annotated[str, typer.Option(help="Configuration laid over the default one: a file or a preset's name.")] = "",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="New folder of the run (default runs/<time>).")
+    ] = None,
+    config: Annotated[str, typer.Option(help="Configuration over the default one: a file or a preset's name.")] = "",
     wind: Annotated[str, typer.Option(help="weibull, constant, step, gust, or a CSV file.")] = "weibull",
     seed: Annotated[int, typer.Option(help="Seed of the wind.", min=0)] = 1,
     real_time_factor: Annotated[
         float, typer.Option(help="Simulated seconds per second; 0 = as fast as possible.", min=0.0)
     ] = 1.0,
-    domain: Annotated[int | None, typer.Option(help="ROS domain (default ROS_DOMAIN_ID, else one of its own).", min=0, max=232)] = None,
+    domain: Annotated[
+        int | None, typer.Option(help="ROS domain (default ROS_DOMAIN_ID, else one of its own).", min=0, max=232)
+    ] = None,
     report: Annotated[bool, typer.Option(help="Write the report afterwards.")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
 ) -> None:
@@ -60,7 +64,8 @@ def demo(
             print(f"interrupted; the recording up to now is in {folder}", file=sys.stderr)
         raise
     if as_json:
-        print(json.dumps({"run": str(folder), "recording": str(folder / "recording"), "report": page, "simulated": simulated}))
+        result = {"run": str(folder), "recording": str(folder / "recording"), "report": page, "simulated": simulated}
+        print(json.dumps(result))
     else:
         print(f"recording: {folder / 'recording'}" + (f"\nreport:    {page}" if page else ""))
 
@@ -92,8 +97,10 @@ def _commands(
 ) -> list[tuple[str, dict[str, object]]]:
     """The executables and their parameters, in the order in which they start."""
     clocked: dict[str, object] = {} if real_time_factor == 1.0 else {"use_sim_time": True}
-    source: dict[str, object] = {"source": wind} if wind in WIND_SOURCES else {"source": "file", "file": str(Path(wind).absolute())}
-    chosen: dict[str, object] = {"config": str(Path(config).absolute()) if Path(config).is_file() else config} if config else {}
+    measured: dict[str, object] = {"source": "file", "file": str(Path(wind).absolute())}
+    source: dict[str, object] = {"source": wind} if wind in WIND_SOURCES else measured
+    given = str(Path(config).absolute()) if Path(config).is_file() else config
+    chosen: dict[str, object] = {"config": given} if config else {}
     provenance = json.dumps({"command_line": sys.argv})
     simulator = {"real_time_factor": real_time_factor, "duration": duration, "wait_for": SUBSCRIBERS}
     return [
@@ -135,5 +142,6 @@ def _review(folder: Path, environment: dict[str, str]) -> str:
     command = [sys.executable, "-m", "nw_gear_common.launcher", "nw_gear", "review", str(folder), "-o", str(page)]
     done = subprocess.run(command, env=environment, stdout=subprocess.DEVNULL, check=False)
     if done.returncode != 0:
-        raise NwGearError(f"the report could not be written (exit code {done.returncode}); the recording is in {folder}")
+        code = done.returncode
+        raise NwGearError(f"the report could not be written (exit code {code}); the recording is in {folder}")
     return str(page)

@@ -149,13 +149,13 @@ def declare_parameters(
 
     Args:
         node: owner of the parameters.
-        cls: frozen dataclass of quantities; those marked `live` may be set while the node runs, the others are read-only.
+        cls: frozen dataclass of quantities; those marked `live` may be set while the node runs, others are read-only.
         on_change: called with the new settings after live parameters changed; it may raise InputError to refuse them.
 
     Raises:
         InputError: an unknown parameter, a wrong type, a value out of range.
     """
-    known = {name for name, _kind, _default, _text in quantities(cls)} | {"use_sim_time", "start_type_description_service"}
+    known = {name for name, *_rest in quantities(cls)} | {"use_sim_time", "start_type_description_service"}
     for name in node._parameter_overrides:  # rclpy has no public way to list the overrides of a node
         if name not in known and not name.startswith("qos_overrides."):
             raise InputError(f"parameter {name}", "one of " + ", ".join(sorted(known)), "an unknown name")
@@ -185,7 +185,11 @@ def _follow_changes(node: Node, settings: Any, on_change: Callable[[Any], None])
 
     def accept(parameters: list[Parameter]) -> SetParametersResult:
         try:
-            changes = {p.name: check_value(f"parameter {p.name}", _from_parameter(p.value), *kinds[p.name]) for p in parameters if p.name in kinds}
+            changes = {
+                p.name: check_value(f"parameter {p.name}", _from_parameter(p.value), *kinds[p.name])
+                for p in parameters
+                if p.name in kinds
+            }
             if changes:
                 changed = dataclasses.replace(current[0], **changes)
                 on_change(changed)
@@ -217,8 +221,9 @@ def _descriptor(kind: type, description: Quantity) -> ParameterDescriptor:
         descriptor.floating_point_range = [FloatingPointRange(from_value=float(low), to_value=float(high))]
     if kind is int and bounded:
         limit = 2**62
-        bounds = (-limit if description.minimum is None else int(low), limit if description.maximum is None else int(high))
-        descriptor.integer_range = [IntegerRange(from_value=bounds[0], to_value=bounds[1])]
+        lowest = -limit if description.minimum is None else int(low)
+        highest = limit if description.maximum is None else int(high)
+        descriptor.integer_range = [IntegerRange(from_value=lowest, to_value=highest)]
     if typing.get_origin(kind) is tuple:
         descriptor.dynamic_typing = True  # an empty list has no type of its own in ROS
     return descriptor

@@ -39,13 +39,16 @@ class Watch:
         self._executor = EventsExecutor()
         self._executor.add_node(self._node)
         if self._console.is_terminal:
-            columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.1f}/{task.total:g} s"))
-            self._bar = Progress(*columns, TimeRemainingColumn(), console=self._console)
+            amount = TextColumn("{task.completed:.1f}/{task.total:g} s")
+            columns = (TextColumn("{task.description}"), BarColumn(), amount, TimeRemainingColumn())
+            self._bar = Progress(*columns, console=self._console)
             self._task = self._bar.add_task("starting", total=self._duration)
             self._bar.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         if self._bar is not None:
             if kind is None:
                 self._bar.update(self._task, completed=self._duration)
