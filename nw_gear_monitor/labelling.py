@@ -10,7 +10,7 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_monitor.gearing import Gearing
 from nw_gear_monitor.indicators.explained_lines import CHANNELS, Explained, LineExplainer, LineSecond
-from nw_gear_monitor.indicators.line_residual import STROBES_PER_CYCLE, line_residual
+from nw_gear_monitor.indicators.line_residual import STROBES_PER_CYCLE, line_residual, strobes
 from nw_gear_monitor.indicators.tonal_share import tonal_share
 from nw_gear_monitor.indicators.window import LineResult
 from nw_gear_monitor.indicators.zero_one import zero_one
@@ -87,7 +87,7 @@ class Labeller:
             explained.fit, starts, columns[:, 0], columns[:, 1:4], own, columns[:, 4], columns[:, 5], channel, per_cycle
         )
         tau, cycles_per_point, _ = tonal_share(rest)
-        return tau, cycles_per_point * per_cycle, zero_one(rest[::per_cycle][-ZERO_ONE_STROBES:])
+        return tau, cycles_per_point * per_cycle, zero_one(strobes(rest, per_cycle)[-ZERO_ONE_STROBES:])
 
 
 def _line_second(history: History) -> LineSecond:

@@ -11,6 +11,8 @@ REGULAR_RHO = 0.05
 CHAOTIC_RHO = 0.10
 CHAOTIC_K = 0.8
 TONAL = 0.6
+NO_LINES_RHO = 0.9
+"""With more than this outside known lines there is no gear motion in the signal; forced chaos keeps its mesh lines."""
 LEAST_SECONDS = 8
 IN_A_ROW = 3
 LEAST_DEVIATION = 1e-12
@@ -75,6 +77,8 @@ def _irregular(e: Evidence) -> State:
     share = f"{100 * e.rho:.0f} % of the variance outside known lines"
     if e.tau > TONAL:
         return State(names.QUASI_PERIODIC, f"{share}, most of it in lines; strongest at order {e.unlisted_order:.4g}")
+    if e.rho > NO_LINES_RHO:
+        return State(names.UNKNOWN, f"no mesh lines: {share}")
     if e.rho > CHAOTIC_RHO and e.k > CHAOTIC_K:
         return State(names.CHAOTIC, f"irregular: {share}, broadband")
     return State(names.UNKNOWN, f"undecided: {share}")

@@ -9,7 +9,7 @@ from nw_gear_monitor.indicators.window import single
 
 
 def crest_factor(x: Array) -> float:
-    """Return max|x - mean x| / sqrt(mean((x - mean x)^2)): sqrt 2 for a sine, about 4 to 5 for noise; NaN for a constant."""
+    """Return max|x - mean x| / rms about the mean: sqrt 2 for a sine, 4 to 5 for noise; NaN for a constant."""
     deviation = x - np.mean(x)
     rms = float(np.sqrt(np.mean(deviation * deviation)))
     return float(np.max(np.abs(deviation))) / rms if rms > 0.0 else float("nan")

@@ -55,3 +55,18 @@ def line_residual(
         shapes, _ = np.linalg.qr(legendre.legvander(tau, TREND_DEGREE))
         pieces.append(rest - shapes @ (shapes.T @ rest))
     return np.concatenate(pieces)
+
+
+def strobes(rest: Array, per_cycle: int) -> Array:
+    """One point per mesh cycle of a residual, at the phase where it varies most.
+
+    Args:
+        rest: (points,) residual at equal steps of mesh phase, m.
+        per_cycle: points per cycle.
+
+    Returns:
+        (cycles,) m.
+    """
+    cycles = rest[: rest.size // per_cycle * per_cycle].reshape(-1, per_cycle)
+    strobed: Array = cycles[:, int(np.argmax(cycles.var(axis=0)))]
+    return strobed

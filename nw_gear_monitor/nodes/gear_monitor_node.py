@@ -1,8 +1,8 @@
 """`gear_monitor_node`: spectra, Poincaré sections, indicators and states from the waveform, online.
 
 The executor's thread takes messages in and answers services and signals; a second thread compiles the kernels,
-subscribes, computes and publishes. What it publishes follows from the stamped samples alone; wall time decides only when a silent
-stream is called stale and how long computing took.
+subscribes, computes and publishes. What it publishes follows from the stamped samples alone;
+wall time decides only when a silent stream is called stale and how long computing took.
 """
 
 from __future__ import annotations

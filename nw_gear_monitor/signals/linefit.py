@@ -29,7 +29,7 @@ class LineFit:
         comb: the comb whose lines were offered.
         kept: (lines,) bool, the lines that this window can tell apart and that were fitted (candidates never are).
         coefficients: (seconds, columns, channels): local coefficients for the columns of `normal.design`.
-        residual, energy: (channels,) sums of squares after the fit (corrected for degrees of freedom) and before it (m^2).
+        residual, energy: (channels,) sums of squares after the fit (corrected for degrees of freedom) and before, m^2.
         candidates: (stage, divisor) -> (channels,) share of `energy` that these further lines would explain.
         columns: number of fitted columns.
         modulation: how amplitudes were allowed to change.

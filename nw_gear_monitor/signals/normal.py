@@ -133,7 +133,7 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
     trend = q.T @ x
     flat = x - q @ trend
     overlap = q.T @ columns
-    slope: Array = legendre.legder(legendre.legfit(tau, phase - phase[0], RATE_DEGREE), axis=0)
+    slope = legendre.legder(legendre.legfit(tau, phase - phase[0], RATE_DEGREE), axis=0)
     return NormalSecond(
         gram=columns.T @ columns - overlap.T @ overlap,
         moment=columns.T @ flat,

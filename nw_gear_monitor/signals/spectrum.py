@@ -1,7 +1,7 @@
 """Amplitude spectra over time and over mesh order.
 
 Both use a Hann window and divide by its sum, so that a line of amplitude A that falls on a bin reads A; between two
-bins it reads up to 15 % less (scalloping). `indicators.mesh_harmonics` measures lines at known orders without that loss.
+bins it reads up to 15 % less (scalloping). Lines at known orders: see `indicators.mesh_harmonics`.
 """
 
 from __future__ import annotations

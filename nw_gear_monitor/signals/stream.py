@@ -1,7 +1,7 @@
 """Turns blocks of the waveform into whole seconds of contiguous samples; finds gaps by the stamps, never bridges one.
 
 Everything downstream works on `Second` objects: all samples whose stamps lie in [k, k + 1) for a whole number k. What
-is computed is therefore a function of the stamped samples alone, not of how they were cut into messages or of wall time.
+is computed is therefore a function of the stamped samples alone, not of their cut into messages or of wall time.
 A second that is not whole (start of a run at a fraction of a second, either side of a gap) is left out.
 """
 
@@ -22,6 +22,9 @@ PHASE_TOLERANCE = 0.1
 RATE_ROUNDING = 1e-3
 """A sample rate this close to a whole number (relative) is taken to be that number: stamps near the wall clock carry
 only 2.4e-7 s, 0.5 % of a block of two samples at 20 kHz, so that a measured rate needs rounding."""
+
+LEAST_ROWS = 2
+"""A block of one sample tells no sample rate."""
 
 REQUIRED = ("time", *(f"phase_{stage}" for stage in names.STAGES))
 
@@ -132,7 +135,7 @@ class Stream:
         pieces: list[Array | None] = []
         start = 0
         for joint in np.flatnonzero(broken):
-            row = joint + 1 - offset
+            row = int(joint) + 1 - offset
             if row < 0:
                 continue
             if row > start:
@@ -202,8 +205,8 @@ def malformed(table: Table) -> str:
         return f"columns: expected {', '.join(wanted)}, got none named {', '.join(missing)}"
     if len(set(table.columns)) != len(table.columns):
         return "columns: expected different names, got a name twice"
-    if len(table) == 0:
-        return "rows: expected at least 1, got 0"
+    if len(table) < LEAST_ROWS:
+        return f"rows: expected at least {LEAST_ROWS}, got {len(table)}"
     if not np.isfinite(table.data).all():
         column = table.columns[int(np.argmin(np.isfinite(table.data).all(axis=0)))]
         return f"values: expected finite numbers, got others in column {column}"
@@ -211,7 +214,7 @@ def malformed(table: Table) -> str:
 
 
 def _interval(data: Array) -> float:
-    return float(np.median(np.diff(data[:, 0]))) if len(data) > 1 else np.inf
+    return float(np.median(np.diff(data[:, 0])))
 
 
 def _contiguous(time: Array) -> bool:
