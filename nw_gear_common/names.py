@@ -68,7 +68,7 @@ def indicators_topic(mesh: str) -> str:
 
 
 def waveform_columns(bearings: Sequence[str] = WAVEFORM_BEARINGS) -> tuple[str, ...]:
-    """Columns of `waveform`: time (s), mesh phases of planet 1 (rad), x (m) and v (m/s) of meshes, bearing forces (N)."""
+    """Columns of `waveform`: time (s), phases of planet 1 (rad), x (m) and v (m/s) of meshes, bearing forces (N)."""
     return (
         "time",
         *(f"phase_{stage}" for stage in STAGES),
