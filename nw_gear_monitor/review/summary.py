@@ -207,6 +207,11 @@ def headline(run: RunData, summary: Summary) -> str:
     if summary.worst is None:
         return "The monitor published no state."
     stage, span = summary.worst
+    if span.state == names.PERIODS[0]:
+        rows = [f"stage {row.stage} for {100 * row.shares.get(span.state, 0.0):.0f} %" for row in summary.stages]
+        return f"No stage was worse than {span.state}: {', '.join(rows)} of the time that was judged"
+    if span.state in (names.UNKNOWN, names.STALE):
+        return f"No stage got a label: {span.reason}"
     share = next(row.shares.get(span.state, 0.0) for row in summary.stages if row.stage == stage)
     reason = f": {span.reason}" if span.reason else ""
     return f"Worst state: stage {stage} {span.state} for {100 * share:.0f} % of the time that was judged{reason}"
