@@ -12,14 +12,17 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import entry_points
 from types import FrameType
+from typing import Any, cast
 
-import click
 import typer
 
 import nw_gear_common
 from nw_gear_common.errors import NwGearError
 
 GROUP = "nw_gear.commands"
+
+Refusal = cast(type[Any], typer.BadParameter.__mro__[2])
+"""ClickException, the root of all refused arguments; recent typers bring a click of their own."""
 
 
 class Interrupted(BaseException):
@@ -64,9 +67,9 @@ def main(arguments: Sequence[str]) -> int:
     try:
         result = typer.main.get_command(build()).main(list(arguments), prog_name="nw_gear", standalone_mode=False)
         return result if isinstance(result, int) else 0
-    except click.exceptions.Exit as end:
+    except typer.Exit as end:
         return end.exit_code
-    except click.ClickException as error:
+    except Refusal as error:
         print(f"nw_gear: {error.format_message()}", file=sys.stderr)
         return 2
     except NwGearError as error:
@@ -74,5 +77,5 @@ def main(arguments: Sequence[str]) -> int:
         return error.exit_code
     except Interrupted as end:
         return end.code
-    except click.exceptions.Abort:
+    except typer.Abort:
         return 130

@@ -75,7 +75,7 @@ def run(name: str, make: Callable[[Stop], Node], argv: Sequence[str]) -> int:
     _listen_to_signals(stop)
     node: Node | None = None
     try:
-        _init(name, argv)
+        _init(argv)
         node = make(stop)
         spin(node, stop)
     except NwGearError as error:
@@ -104,15 +104,18 @@ def _listen_to_signals(stop: Stop) -> None:
         signal.signal(number, answer)
 
 
-def _init(name: str, argv: Sequence[str]) -> None:
+def _init(argv: Sequence[str]) -> None:
     arguments = list(argv)
-    own = rclpy.utilities.remove_ros_args(arguments)[1:]
-    if own:
-        raise InputError(f"{name}: arguments", "only ROS arguments (--ros-args ...)", " ".join(own))
     try:
+        own = rclpy.utilities.remove_ros_args(arguments)[1:]
+        if own:
+            raise InputError("arguments", "only ROS arguments (--ros-args ...)", " ".join(own))
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except NwGearError:
+        raise
     except Exception as error:  # rcl raises several unrelated types here, all about the arguments
-        raise InputError(f"{name}: --ros-args", "valid ROS arguments", str(error).splitlines()[0]) from None
+        reason = str(error).splitlines()[0].split(", at /")[0].removeprefix("Failed to parse ROS arguments: ")
+        raise InputError("--ros-args", "valid ROS arguments", reason) from None
 
 
 def make_node(cls: Callable[..., Node], name: str, **kwargs: Any) -> Node:
