@@ -34,6 +34,8 @@ def _leave_with_signal(number: int, _frame: FrameType | None) -> None:
 
 
 def _run_node(name: str) -> int:
+    # The monitor's matrices are small: more threads only burn processor time that the integration needs.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for number in SIGNALS:
         signal.signal(number, _leave_with_zero)
     return int(importlib.import_module(NODES[name]).main(sys.argv))

@@ -30,7 +30,8 @@ from nw_gear_monitor.signals.stream import Continuity
 from nw_gear_monitor.warm_up import warm_up
 from nw_gear_sim import config
 
-WAVEFORM_DEPTH = 100
+WAVEFORM_DEPTH = 1000
+"""Blocks that may wait in the middleware while a hop is computed or samples come much faster than real time."""
 JOIN_WITHIN = 4.0
 HOP_SECONDS = 1.0
 

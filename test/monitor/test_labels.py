@@ -44,7 +44,7 @@ def chaos(_time, phase):
 
 def chaotic_steps(_time, phase):
     """A sine whose amplitude is drawn anew each mesh period by the logistic map at r = 4."""
-    return 2e-5 * logistic(4.0, 5000)[((phase - phase[0]) / (2 * np.pi)).astype(int)] * np.sin(phase)
+    return 3e-5 * logistic(4.0, 5000)[((phase - phase[0]) / (2 * np.pi)).astype(int)] * np.sin(phase)
 
 
 def wind(time):
