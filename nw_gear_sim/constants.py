@@ -13,6 +13,10 @@ from nw_gear_sim import kinematics, layout
 from nw_gear_sim.kinematics import Kinematics
 from nw_gear_sim.params import Configuration
 
+LANES = 8
+"""Tables of rollers are padded to a multiple of this, so that their loops fill whole vector registers."""
+FAR = 1e3
+"""Distance (m) that keeps a padded entry of such a table from ever being in contact."""
 DIRECTION = {"ring": 1.0, "planet": 1.0, "sun": -1.0, "output": 1.0}
 """Sense of rotation about +z of each shaft (ring and planets turn counter-clockwise)."""
 
@@ -75,7 +79,7 @@ BEARING = np.dtype(
         ("first", INDEX),  # entry of x
         ("axes", INDEX),  # 3, or 2 without z
         ("kind", INDEX),  # row of the roller tables
-        ("rollers", INDEX),
+        ("rollers", INDEX),  # entries of its tables, padded
         ("load", REAL),  # N/m^n
         ("cos_contact", REAL),
         ("sin_contact", REAL),
@@ -101,7 +105,7 @@ class Constants(NamedTuple):
     angles: Array  # (2, M) cos, sin of 2 pi i / M
     mesh: np.ndarray  # MESH (7,)
     bearing: np.ndarray  # BEARING (10,)
-    rollers: Array  # (2, 6, n) cos, sin of the roller angles in the frame of the cage
+    rollers: Array  # (3, 6, n) cos, sin of the roller angles in the frame of the cage, and what marks padding
     spring: np.ndarray  # SPRING
     gravity: Array  # (2,) acceleration, m/s^2
     weight: Array  # (63,) forces of gravity on the motions behind the ring, N
@@ -202,7 +206,7 @@ def _bearings(configuration: Configuration, k: Kinematics) -> np.ndarray:
         else:
             row["first"] = centre + central[kind]
         row["axes"] = 2 if kind in ("b21", "b22") else 3
-        row["kind"], row["rollers"] = kinds.index(kind), parameters.rollers
+        row["kind"], row["rollers"] = kinds.index(kind), _padded(parameters.rollers)
         row["load"], row["exponent"] = k.roller_stiffness[kind], configuration.bearings.exponent
         row["cos_contact"], row["sin_contact"] = math.cos(parameters.contact_angle), math.sin(parameters.contact_angle)
         row["clearance"], row["damping"] = parameters.clearance, parameters.damping
@@ -210,12 +214,17 @@ def _bearings(configuration: Configuration, k: Kinematics) -> np.ndarray:
     return bearings
 
 
+def _padded(count: int) -> int:
+    return -(-count // LANES) * LANES
+
+
 def _rollers(configuration: Configuration) -> Array:
     counts = [getattr(configuration.bearings, kind).rollers for kind in kinematics.SHAFT_OF_BEARING]
-    rollers = np.zeros((2, len(counts), max(counts)))
-    for i, count in enumerate(counts):
+    rollers = np.zeros((3, len(counts), _padded(max(counts))))
+    rollers[2] = FAR
+    for row, count in enumerate(counts):
         angle = 2 * np.pi * np.arange(count) / count
-        rollers[0, i, :count], rollers[1, i, :count] = np.cos(angle), np.sin(angle)
+        rollers[:, row, :count] = np.cos(angle), np.sin(angle), np.zeros(count)
     return rollers
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from nw_gear_common.errors import NwGearError
 from nw_gear_common.tables import Array
 from nw_gear_sim.constants import Constants
-from nw_gear_sim.model import OBSERVED, accelerations
+from nw_gear_sim.model import OBSERVED, accelerations, work_size
 
 TOLERANCE = 1e-2
 """Largest force (N) that may be left on any motion."""
@@ -39,7 +39,7 @@ class NoEquilibrium(NwGearError):
 def forces(c: Constants, tables: Array, q: Array, angle: float, torque: float) -> tuple[Array, Array]:
     """Force on every motion (N) at rest, and the observations."""
     observed, result = np.empty(OBSERVED), np.empty(len(q))
-    work = np.empty(8 * int(c.ring[0]["segments"]))
+    work = np.empty(work_size(int(c.ring[0]["segments"])))
     accelerations(c, tables, q, np.zeros_like(q), angle, 0.0, torque, work, observed, result)
     return result * c.mass, observed
 

@@ -31,7 +31,7 @@ OBSERVED = 3 * MESHES + 3 * BEARINGS
 
 def work_size(segments: int) -> int:
     """Length of the work space of `accelerations`."""
-    return 8 * segments
+    return 8 * (segments + 1)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
@@ -77,9 +77,11 @@ def _load_ring(r: Record, angles: Array, gravity: Array, angle: float, torque: f
     gx, gy = r.mass * gravity[0], r.mass * gravity[1]
     ax, ay = gx * cos + gy * sin, gy * cos - gx * sin
     drive = torque / (m * r.radius)
+    radial, tangential, cosines, sines = force[:m], force[m : 2 * m], angles[0], angles[1]
     for i in range(m):
-        force[i] += ax * angles[0, i] + ay * angles[1, i]
-        force[m + i] += ay * angles[0, i] - ax * angles[1, i] + drive
+        radial[i] += ax * cosines[i] + ay * sines[i]
+    for i in range(m):
+        tangential[i] += ay * cosines[i] - ax * sines[i] + drive
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
@@ -196,8 +198,10 @@ def _bearing(b: Record, rollers: Array, q: Array, rate: Array, angle: float, obs
     cos, sin = math.cos(b.cage * angle), math.sin(b.cage * angle)
     x, y = cg * (q[d] * cos + q[d + 1] * sin), cg * (q[d + 1] * cos - q[d] * sin)
     z = q[d + 2] if b.axes == 3 else 0.0
-    table_cos, table_sin = rollers[0, b.kind, : b.rollers], rollers[1, b.kind, : b.rollers]
-    fx, fy, fz = roller_sum(x, y, z * sg - b.clearance, table_cos, table_sin, b.exponent)
+    k, n = b.kind, b.rollers
+    fx, fy, fz = roller_sum(
+        x, y, z * sg - b.clearance, rollers[0, k, :n], rollers[1, k, :n], rollers[2, k, :n], b.exponent
+    )
     observed[0] = b.load * cg * (fx * cos - fy * sin)
     observed[1] = b.load * cg * (fy * cos + fx * sin)
     observed[2] = b.load * sg * fz

@@ -45,7 +45,7 @@ def run(
         FINISHED, or the index of the first sample with a number that isn't finite (the state is then lost).
     """
     n = len(q)
-    work = np.empty(8 * c.ring[0].segments)
+    work = np.empty(8 * (c.ring[0].segments + 1))
     unseen = np.empty(OBSERVED)
     v2, v3, v4, place = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     a1, a2, a3, a4 = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
