@@ -68,7 +68,7 @@ def parameters_tables() -> str:
     """One table of parameters for each node."""
     parts = []
     for node in NODES:
-        head = [f"#### {node}\n", "| parameter | default | unit | accepts | meaning |", "|---|---|---|---|---|"]
+        head = [f"### {node}\n", "| parameter | default | unit | accepts | meaning |", "|---|---|---|---|---|"]
         rows = [
             f"| `{name}`{' (live)' if text.live else ''} | `{as_yaml(default)}` | {text.unit} | {_accepts(kind, text)} "
             f"| {text.text} |"
