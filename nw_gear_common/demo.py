@@ -107,7 +107,7 @@ def _commands(
         ("recorder_node", {"uri": str((folder / "recording").absolute()), "provenance": provenance, **clocked}),
         ("gear_monitor_node", {**chosen, **clocked}),
         ("gear_sim_node", {**simulator, **chosen}),
-        ("wind_node", {"seed": seed, **source, **clocked}),
+        ("wind_node", {"seed": seed, **source, **chosen, **clocked}),
     ]
 
 

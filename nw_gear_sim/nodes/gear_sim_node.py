@@ -149,10 +149,7 @@ class GearSimNode(Node):
         """Run from the initial state until a reset (True) or the end (False)."""
         self._reset.clear()
         self._waveform.drop()
-        if self._clocked:
-            with self._lock:
-                self._inflow.clear()
-            self._reports.clock(0.0)
+        self._reports.clock(0.0)  # a jump back makes the wind start again; until then what is known of it stays valid
         if not self._wait_for_company():
             return not self._stop
         self._session.begin(self._inflow_at(0.0) if self._session.wind_driven else None)
