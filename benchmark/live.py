@@ -201,7 +201,8 @@ def table(result: dict[str, Any]) -> str:
         f"{result['cores']} cores, configuration {result['config']}",
         f"blocks at the subscriber   {result['blocks']}, lost {result['lost_blocks']}",
         f"blocks in the recording    {result['recorded_blocks']}",
-        f"delay of a block           {result['delay_at_end_s']:.3f} s at the end, {result['largest_delay_s']:.3f} s most",
+        f"delay of a block           {result['delay_at_end_s']:.3f} s at the end",
+        f"                           {result['largest_delay_s']:.3f} s at most",
         "process                    CPU (s)   of a core   exit code",
     ]
     for name, share in result["cpu_share"].items():
