@@ -12,11 +12,10 @@ from nw_gear_sim.dynamics.rk4 import combine, trial
 from nw_gear_sim.dynamics.constants import Constants
 from nw_gear_sim.dynamics.model import FORCE, MESHES, OBSERVED, X, accelerations
 
-_FAST = {"reassoc", "contract", "nsz"}
 FINISHED = -1
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
+@numba.njit(cache=True, nogil=True, error_model="numpy")  # without fastmath, under which isfinite is always true
 def run(
     c: Constants,
     tables: Array,
