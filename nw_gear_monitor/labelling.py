@@ -122,5 +122,5 @@ def _evidence(stage: str, explained: Explained, history: History, tests: tuple[f
         level=level,
         speed_spread=explained.fit.modulation.speed_spread,
         load_spread=explained.fit.modulation.load_spread,
-        lines=int(np.count_nonzero(explained.fit.kept)),
+        lines=explained.fit.lines,
     )

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from nw_gear_common.tables import Array
 from nw_gear_monitor.signals.hermite import crossings, interpolate
 from nw_gear_monitor.signals.linefit import LineFit
-from nw_gear_monitor.signals.normal import TREND_DEGREE, relative_time
+from nw_gear_monitor.signals.normal import relative_time
 
 STROBES_PER_CYCLE = {"I": 16, "II": 4, "III": 2}
 """Residual points per mesh cycle of the stage: about 400 to 650 a second at rated speed."""
@@ -51,9 +50,7 @@ def line_residual(
     for second, start in enumerate(starts):
         rows = which == second
         tau = relative_time(moments[rows], start)
-        rest = value[rows, 0] - done.predict(second, phases[rows], tau, channel)
-        shapes, _ = np.linalg.qr(legendre.legvander(tau, TREND_DEGREE))
-        pieces.append(rest - shapes @ (shapes.T @ rest))
+        pieces.append(value[rows, 0] - done.predict(second, phases[rows], tau, channel))
     return np.concatenate(pieces)
 
 

@@ -38,8 +38,16 @@ def line_amplitudes(phase: Array, x: Array, orders: Sequence[float]) -> tuple[fl
 
 
 def harmonic_amplitudes(phase: Array, x: Array) -> tuple[float, ...]:
-    """`line_amplitudes` at HARMONICS."""
-    return line_amplitudes(phase, x, HARMONICS)
+    """`line_amplitudes` at HARMONICS, by powers of exp(-i phi)."""
+    window = hann(x.size)
+    turning = np.exp(-1j * phase)
+    term = window * (x - np.mean(x))
+    enough = abs(float(phase[-1] - phase[0])) >= 2.0 * np.pi * LEAST_CYCLES
+    amplitudes = []
+    for _ in HARMONICS:
+        term = term * turning
+        amplitudes.append(2.0 * abs(complex(np.sum(term))) / float(window.sum()) if enough else float("nan"))
+    return tuple(amplitudes)
 
 
 def _compute(window: MeshWindow) -> tuple[float, ...]:

@@ -20,9 +20,11 @@ PARTS = 12
 HIGHEST_COMBINATION = 4
 """Largest |k| + |l| + |m| of a line k f_I + l f_II + m f_III."""
 OWN_HARMONICS = 24
+FREE_HARMONICS = (2, 2, 1)
+"""Own harmonics of I, II, III up to these have an amplitude that is free in every second."""
 MODULATED_COMBINATION = 2
-MODULATED_HARMONICS = 4
-"""Lines up to this combination order and these own harmonics may change their amplitude with speed and load."""
+MODULATED_HARMONICS = (8, 4, 4)
+"""Lines up to this combination order, and own harmonics of I, II, III up to these, may change their amplitude."""
 HIGHEST_FREQUENCY = 2500.0
 """Lines above are left out (Hz)."""
 DIVISORS = (2, 3, 4)
@@ -36,21 +38,23 @@ Subharmonic = tuple[int, int]
 
 @dataclass(frozen=True)
 class Comb:
-    """A list of lines in three groups.
+    """A list of lines in groups.
 
     Attributes:
+        free: the strongest lines; their amplitude is free in every second and not among the columns of the fit.
         modulated: lines whose amplitude may follow speed and load.
         steady: the other expected lines.
         candidates: (stage, divisor) -> lines p f_s / n with p / n not whole in lower terms.
     """
 
+    free: tuple[Twelfths, ...]
     modulated: tuple[Twelfths, ...]
     steady: tuple[Twelfths, ...]
     candidates: tuple[tuple[Subharmonic, tuple[Twelfths, ...]], ...]
 
     @property
     def lines(self) -> tuple[Twelfths, ...]:
-        """Every line once, modulated first, then steady, then candidates."""
+        """Every line of the fit once, modulated first, then steady, then candidates."""
         return (*self.modulated, *self.steady, *self.candidate_lines)
 
     @property
@@ -65,19 +69,22 @@ def base(ratios: Array) -> Comb:
     Args:
         ratios: (3,) mesh frequencies of the stages over that of stage I.
     """
+    free = tuple(_own(stage, PARTS * k) for stage in range(3) for k in range(1, FREE_HARMONICS[stage] + 1))
     modulated: list[Twelfths] = []
     steady: list[Twelfths] = []
     span = range(-HIGHEST_COMBINATION, HIGHEST_COMBINATION + 1)
     for k, l, m in itertools.product(span, span, span):  # noqa: E741  (the usual letters of the three multiples)
         size = abs(k) + abs(l) + abs(m)
-        if 0 < size <= HIGHEST_COMBINATION and _positive((k, l, m), ratios):
+        line = _scaled((k, l, m))
+        if 0 < size <= HIGHEST_COMBINATION and _positive(line, ratios) and line not in free:
             own = size == max(abs(k), abs(l), abs(m))
-            group = modulated if size <= MODULATED_COMBINATION or (own and size <= MODULATED_HARMONICS) else steady
-            group.append(_scaled((k, l, m)))
+            group = modulated if own or size <= MODULATED_COMBINATION else steady
+            group.append(line)
     for stage, harmonic in itertools.product(range(3), range(HIGHEST_COMBINATION + 1, OWN_HARMONICS + 1)):
-        steady.append(_own(stage, PARTS * harmonic))
+        group = modulated if harmonic <= MODULATED_HARMONICS[stage] else steady
+        group.append(_own(stage, PARTS * harmonic))
     candidates = tuple(((stage, n), _fractions(stage, n)) for stage in range(3) for n in DIVISORS)
-    return Comb(tuple(sorted(modulated)), tuple(sorted(steady)), candidates)
+    return Comb(free, tuple(sorted(modulated)), tuple(sorted(steady)), candidates)
 
 
 def refined(comb: Comb, ratios: Array, found: Subharmonic) -> Comb:
@@ -88,7 +95,7 @@ def refined(comb: Comb, ratios: Array, found: Subharmonic) -> Comb:
     """
     stage, divisor = found
     others = [i for i in range(3) if i != stage]
-    known = set(comb.modulated) | set(comb.steady)
+    known = {*comb.free, *comb.modulated, *comb.steady}
     added: dict[Twelfths, None] = {}
     span = range(-HIGHEST_COMBINATION, HIGHEST_COMBINATION + 1)
     reach = HIGHEST_COMBINATION * divisor
@@ -100,7 +107,7 @@ def refined(comb: Comb, ratios: Array, found: Subharmonic) -> Comb:
         added[_scaled_positive((line[0], line[1], line[2]), ratios)] = None
     for p in range(1, OWN_HARMONICS + 1):
         added[_own(stage, p * PARTS // divisor)] = None
-    return Comb(comb.modulated, (*comb.steady, *sorted(line for line in added if line not in known)), ())
+    return Comb(comb.free, comb.modulated, (*comb.steady, *sorted(line for line in added if line not in known)), ())
 
 
 def multiples(lines: tuple[Twelfths, ...]) -> Array:
@@ -108,20 +115,24 @@ def multiples(lines: tuple[Twelfths, ...]) -> Array:
     return np.array(lines, dtype=np.float64).reshape(-1, 3) / PARTS
 
 
-def spaced(frequency: Array, apart: float, highest: float) -> npt.NDArray[np.bool_]:
+def spaced(frequency: Array, apart: float, highest: float, taken: Array | None = None) -> npt.NDArray[np.bool_]:
     """Choose lines that a window can tell apart.
 
     Args:
         frequency: (lines,) Hz, the important ones first.
         apart: smallest distance, Hz (one over the length of the window).
         highest: lines at or above are left out, Hz.
+        taken: frequencies that are there already, Hz.
 
     Returns:
         (lines,) bool: a line is kept if it is positive, below `highest` and no kept line before it is closer.
     """
     keep = np.zeros(frequency.size, dtype=bool)
+    there = [] if taken is None else list(taken)
     for i, f in enumerate(frequency):
-        keep[i] = apart < f < highest and not np.any(np.abs(frequency[:i][keep[:i]] - f) < apart)
+        keep[i] = apart < f < highest and all(abs(f - other) >= apart for other in there)
+        if keep[i]:
+            there.append(f)
     return keep
 
 

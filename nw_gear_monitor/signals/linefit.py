@@ -33,6 +33,7 @@ class LineFit:
         candidates: (stage, divisor) -> (channels,) share of `energy` that these further lines would explain.
         columns: number of fitted columns.
         modulation: how amplitudes were allowed to change.
+        seconds: the normal equations it was made from.
         frequency: (lines,) mean frequencies (Hz).
     """
 
@@ -45,11 +46,18 @@ class LineFit:
     columns: int
     modulation: Modulation
     frequency: Array
+    seconds: list[NormalSecond]
+
+    @property
+    def lines(self) -> int:
+        """Number of fitted lines, free ones included."""
+        return int(np.count_nonzero(self.kept)) + len(self.seconds[-1].free)
 
     def predict(self, second: int, phase: Array, tau: Array, channel: int) -> Array:
-        """Sum of the fitted lines at given phases (points, 3) and times tau (points,) of one second: (points,)."""
-        result: Array = design(phase, tau, self.comb) @ self.coefficients[second, :, channel]
-        return result
+        """Trend and fitted lines at given phases (points, 3) and times tau (points,) of one second: (points,)."""
+        own = self.coefficients[second, :, channel]
+        lines: Array = design(phase, tau, self.comb) @ own
+        return lines + self.seconds[second].settled(phase, tau, own, channel)
 
 
 def fit(seconds: list[NormalSecond], comb: Comb, rate: float) -> LineFit:
@@ -65,24 +73,25 @@ def fit(seconds: list[NormalSecond], comb: Comb, rate: float) -> LineFit:
     curves = modulation(speeds[:, :, 1], levels.mean(axis=2))
     frequency = multiples(comb.lines) @ speeds.mean(axis=(0, 1)) / (2.0 * np.pi)
     highest = min(HIGHEST_FREQUENCY, NYQUIST_SHARE * rate)
-    kept = spaced(frequency, 1.0 / len(seconds), highest)
+    free = multiples(seconds[-1].free) @ speeds.mean(axis=(0, 1)) / (2.0 * np.pi)
+    kept = spaced(frequency, 1.0 / len(seconds), highest, free)
     gram, moment = _assemble(seconds, len(comb.modulated), curves)
     energy = np.sum([second.energy for second in seconds], axis=0)
     samples = sum(second.samples for second in seconds)
     wanted, groups = _columns(comb, kept, curves.functions)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     gram, moment = gram * scale[:, None] * scale, moment * scale[:, None]
-    factor = cho_factor(gram[np.ix_(wanted, wanted)] + RIDGE * np.eye(wanted.size))
+    factor = cho_factor(gram[np.ix_(wanted, wanted)] + RIDGE * np.eye(wanted.size), check_finite=False)
     solution = cho_solve(factor, moment[wanted])
-    left = energy - np.sum(moment[wanted] * solution, axis=0)
-    freedom = max(samples - wanted.size, 1)
+    left = np.sum([second.rest for second in seconds], axis=0) - np.sum(moment[wanted] * solution, axis=0)
+    freedom = max(samples - wanted.size - sum(second.triangle.shape[0] for second in seconds), 1)
     shares = _candidate_shares(gram, moment, wanted, groups, factor, solution, energy)
     full = np.zeros_like(moment)
     full[wanted] = solution * scale[wanted, None]
     kept[len(comb.modulated) + len(comb.steady) :] = False
     local = _local(full, len(comb.modulated), curves)
     residual = np.maximum(left, 0.0) * samples / freedom
-    return LineFit(comb, kept, local, residual, energy, shares, wanted.size, curves, frequency)
+    return LineFit(comb, kept, local, residual, energy, shares, wanted.size, curves, frequency, seconds)
 
 
 def _assemble(seconds: list[NormalSecond], lines: int, curves: Modulation) -> tuple[Array, Array]:
@@ -93,18 +102,24 @@ def _assemble(seconds: list[NormalSecond], lines: int, curves: Modulation) -> tu
     gram = np.zeros((wide + others, wide + others))
     moment = np.zeros((wide + others, seconds[0].moment.shape[1]))
     for second, shape_map in zip(seconds, curves.maps, strict=True):
-        mixed = np.einsum("ipc,pa->iac", second.gram[:local].reshape(2 * lines, SHAPES, -1), shape_map).reshape(
-            wide, -1
-        )
-        square = np.einsum("rjq,qb->rjb", mixed[:, :local].reshape(wide, 2 * lines, SHAPES), shape_map)
-        gram[:wide, :wide] += square.reshape(wide, wide)
-        gram[:wide, wide:] += mixed[:, local:]
+        active = np.flatnonzero(shape_map.any(axis=0))
+        shapes = shape_map[:, active]
+        place = (curves.functions * np.arange(2 * lines)[:, None] + active).ravel()
+        mixed = _compose(second.gram[:local], shapes)
+        gram[np.ix_(place, place)] += _compose(np.ascontiguousarray(mixed[:, :local].T), shapes).T
+        gram[place, wide:] += mixed[:, local:]
         gram[wide:, wide:] += second.gram[local:, local:]
-        part = np.einsum("ipc,pa->iac", second.moment[:local].reshape(2 * lines, SHAPES, -1), shape_map)
-        moment[:wide] += part.reshape(wide, -1)
+        moment[place] += _compose(second.moment[:local], shapes)
         moment[wide:] += second.moment[local:]
     gram[wide:, :wide] = gram[:wide, wide:].T
     return gram, moment
+
+
+def _compose(rows: Array, shapes: Array) -> Array:
+    """Turn the rows of local shapes (lines * SHAPES, columns) into rows of functions (lines * functions, columns)."""
+    split = rows.reshape(-1, SHAPES, rows.shape[1])
+    composed: Array = np.matmul(shapes.T, split).reshape(-1, rows.shape[1])
+    return composed
 
 
 def _columns(comb: Comb, kept: Flags, functions: int) -> tuple[Indices, dict[Subharmonic, Indices]]:
@@ -138,7 +153,11 @@ def _candidate_shares(
             shares[name] = np.zeros_like(energy)
             continue
         cross = gram[np.ix_(wanted, group)]
-        rest = gram[np.ix_(group, group)] - cross.T @ cho_solve(factor, cross) + RIDGE * np.eye(group.size)
+        rest = (
+            gram[np.ix_(group, group)]
+            - cross.T @ cho_solve(factor, cross, check_finite=False)
+            + RIDGE * np.eye(group.size)
+        )
         load = moment[group] - cross.T @ solution
         gain = np.sum(load * np.linalg.solve(rest, load), axis=0)
         shares[name] = gain / np.maximum(energy, 1e-300)

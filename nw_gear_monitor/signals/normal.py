@@ -1,12 +1,15 @@
 """Normal equations of the line fit, one second at a time.
 
-One second gives A^T A, A^T x and x^T x, where A holds cosine and sine of every line of a comb. Windows add seconds up
+One second gives A^T A, A^T x and x^T x, where A holds cosine and sine of the lines of a comb. Windows add seconds up
 afresh at each hop; nothing runs on from hop to hop, so that no rounding piles up and a replay gives the same numbers.
 
-Two things are settled inside the second. A polynomial in time (degree 7) is projected out of A and x alike, which takes
-slow changes of load (below about 3 Hz) out of the fit and out of the total variance. The modulated lines get three
-columns each (times 1, tau, (3 tau^2 - 1)/2 with tau from -1 to 1 over the second), from which a window composes any
-amplitude curve that is smooth on the scale of a second.
+Two things are settled inside the second and projected out of A and x alike:
+- the slow trend, a polynomial of degree 7 in time (below about 3 Hz): changes of load are no vibration;
+- the comb's free lines, each times polynomials of degree 4: these strongest lines may change their amplitude within a
+  fraction of a second, as when a weakly damped mode is passed and rings down; each takes up 2 to 3 Hz of bandwidth.
+
+The comb's modulated lines get three columns each (times 1, tau, (3 tau^2 - 1)/2 with tau from -1 to 1 over the second),
+from which a window composes amplitude curves that are smooth on the scale of a second.
 """
 
 from __future__ import annotations
@@ -17,12 +20,16 @@ import numba
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
+from scipy.linalg import solve_triangular
 
 from nw_gear_common.tables import Array
-from nw_gear_monitor.signals.comb import PARTS, Comb
+from nw_gear_monitor.signals.comb import PARTS, Comb, Twelfths, multiples, spaced
 
 SHAPES = 3
 TREND_DEGREE = 7
+FREE_DEGREE = 4
+FREE_APART = 3.0
+"""Free lines closer than this are taken once (Hz)."""
 RATE_DEGREE = 4
 NODES, WEIGHTS = legendre.leggauss(5)
 """Where speed and load are known inside a second (tau), and the weights to integrate over it."""
@@ -33,20 +40,35 @@ class NormalSecond:
     """One second's part of the normal equations.
 
     Attributes:
-        gram: (columns, columns), A^T A without the trend.
-        moment: (columns, channels), A^T x (m).
-        energy: (channels,), x^T x without the trend (m^2).
+        gram: (columns, columns), A^T A after the projection.
+        moment: (columns, channels), A^T x after it (m).
+        energy: (channels,), x^T x without the trend, before the free lines are taken out (m^2).
+        rest: (channels,), x^T x after the whole projection (m^2).
         samples: number of samples.
         rate: (nodes, 3) mesh frequencies (rad/s) at NODES.
         level: (nodes, channels) slow trend of x (m) at NODES.
+        free: the free lines that this second can tell apart.
+        triangle, overlap, projection: R and Q^T A, Q^T x of what was projected out, W = Q R.
     """
 
     gram: Array
     moment: Array
     energy: Array
+    rest: Array
     samples: int
     rate: Array
     level: Array
+    free: tuple[Twelfths, ...]
+    triangle: Array
+    overlap: Array
+    projection: Array
+
+    def settled(self, phase: Array, tau: Array, coefficients: Array, channel: int) -> Array:
+        """Trend and free lines at given points, once the columns' coefficients (columns,) of a channel are known."""
+        inside = self.projection[:, channel] - self.overlap @ coefficients
+        weights = solve_triangular(self.triangle, inside)
+        found: Array = settled_columns(phase, tau, self.free) @ weights
+        return found
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -118,6 +140,16 @@ def relative_time(time: Array, start: float) -> Array:
     return tau
 
 
+def settled_columns(phase: Array, tau: Array, free: tuple[Twelfths, ...]) -> Array:
+    """What is projected out of a second: the trend's polynomials, then each free line times some of them."""
+    shapes = legendre.legvander(tau, TREND_DEGREE)
+    angle = np.mod(phase, 2.0 * np.pi * PARTS) @ multiples(free).T
+    waves = np.stack([np.cos(angle), np.sin(angle)], axis=2)
+    lines = waves[:, :, :, None] * shapes[:, None, None, : FREE_DEGREE + 1]
+    columns: Array = np.concatenate([shapes, lines.reshape(len(tau), -1)], axis=1)
+    return columns
+
+
 def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb) -> NormalSecond:
     """Form one second's normal equations.
 
@@ -127,18 +159,31 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
         comb: the lines.
     """
     tau = relative_time(time, start)
-    columns = design(phase, tau, comb)
-    shapes = legendre.legvander(tau, TREND_DEGREE)
-    q, r = np.linalg.qr(shapes)
-    trend = q.T @ x
-    flat = x - q @ trend
-    overlap = q.T @ columns
     slope = legendre.legder(legendre.legfit(tau, phase - phase[0], RATE_DEGREE), axis=0)
+    rate = np.asarray(2.0 * legendre.legval(NODES, slope).T, dtype=np.float64)
+    free = _apart(comb.free, rate.mean(axis=0), len(time))
+    q, r = np.linalg.qr(settled_columns(phase, tau, free))
+    columns = design(phase, tau, comb)
+    projection, overlap = q.T @ x, q.T @ columns
+    flat = x - q @ projection
+    trend = TREND_DEGREE + 1
+    rest = np.sum(flat * flat, axis=0)
     return NormalSecond(
         gram=columns.T @ columns - overlap.T @ overlap,
         moment=columns.T @ flat,
-        energy=np.sum(flat * flat, axis=0),
+        energy=rest + np.sum(projection[trend:] ** 2, axis=0),
+        rest=rest,
         samples=len(time),
-        rate=np.asarray(2.0 * legendre.legval(NODES, slope).T, dtype=np.float64),
-        level=np.asarray(legendre.legvander(NODES, TREND_DEGREE) @ np.linalg.solve(r, trend), dtype=np.float64),
+        rate=rate,
+        level=legendre.legvander(NODES, TREND_DEGREE) @ solve_triangular(r[:trend, :trend], projection[:trend]),
+        free=free,
+        triangle=r,
+        overlap=overlap,
+        projection=projection,
     )
+
+
+def _apart(lines: tuple[Twelfths, ...], rate: Array, samples: int) -> tuple[Twelfths, ...]:
+    """The lines that are FREE_APART from each other and below 0.45 of the sample rate, about `samples` a second."""
+    kept = spaced(multiples(lines) @ rate / (2.0 * np.pi), FREE_APART, 0.45 * samples)
+    return tuple(line for line, keep in zip(lines, kept, strict=True) if keep)
