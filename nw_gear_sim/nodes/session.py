@@ -12,7 +12,7 @@ from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.rotor import Rotor
-from nw_gear_sim.simulation import Block, Simulation
+from nw_gear_sim.simulation import Block, Simulation, steps_per_sample
 
 LONGEST_TICK = 0.0126
 """Seconds of simulated time integrated at once: short enough for views at 50 Hz and a smooth pace."""
@@ -28,7 +28,7 @@ class Session:
         sample_rate: samples per second (Hz).
 
     Raises:
-        InputError: the sample rate gives no whole number of samples per block.
+        InputError: the sample rate gives no whole number of samples per block, or of steps per sample.
     """
 
     def __init__(self, configuration: Configuration, excitation: str, start: str, sample_rate: float) -> None:
@@ -37,6 +37,7 @@ class Session:
             raise InputError(
                 "parameter sample_rate", f"a multiple of {names.WAVEFORM_BLOCKS_PER_SECOND} Hz", f"{sample_rate:g} Hz"
             )
+        steps_per_sample(sample_rate, configuration.numerics.step)
         self.rows = int(rows)
         divisors = [d for d in range(1, self.rows + 1) if self.rows % d == 0 and self.rows / d <= LONGEST_TICK * sample_rate]
         self._samples = self.rows // divisors[0] if divisors else 1
