@@ -1,0 +1,81 @@
+"""Reads a Float64MultiArray straight from its serialised bytes (CDR), without decoding it element by element."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+
+from nw_gear_common.errors import InputError
+from nw_gear_common.tables import Table
+
+TABLE_TYPE = "std_msgs/msg/Float64MultiArray"
+
+_ENCAPSULATION = 4
+_ORDERS = {b"\x00\x00": ">", b"\x00\x01": "<"}
+
+
+class _Cursor:
+    """Walks over CDR data; positions are aligned relative to the end of the encapsulation header."""
+
+    def __init__(self, data: bytes) -> None:
+        self.data = data
+        self.order = _ORDERS[bytes(data[:2])]
+        self.at = _ENCAPSULATION
+        self._word = struct.Struct(self.order + "I")
+
+    def word(self) -> int:
+        """An unsigned number of four bytes."""
+        self.align(4)
+        (value,) = self._word.unpack_from(self.data, self.at)
+        self.at += 4
+        return int(value)
+
+    def text(self) -> str:
+        """A string: its length with the final zero, then its bytes."""
+        length = self.word()
+        start, self.at = self.at, self.at + length
+        if self.at > len(self.data):
+            raise ValueError("a string that is longer than the message")
+        return self.data[start : start + max(0, length - 1)].decode()
+
+    def align(self, size: int) -> None:
+        """Go on to the next multiple of `size`."""
+        self.at += -(self.at - _ENCAPSULATION) % size
+
+
+def to_table(data: bytes, place: str) -> Table:
+    """Turn a serialised std_msgs/Float64MultiArray into a table.
+
+    Args:
+        data: CDR with its encapsulation header, as received or recorded.
+        place: the topic, for the error.
+
+    Raises:
+        InputError: it isn't serialised as that type, or its layout isn't that of a table.
+    """
+    try:
+        labels, sizes, values = _parse(data)
+    except (KeyError, ValueError, struct.error) as error:
+        raise InputError(f"{place}: message", f"a serialised {TABLE_TYPE}", str(error)) from None
+    if len(labels) != 2:
+        raise InputError(f"{place}: layout", "two dimensions", str(len(labels)))
+    columns = tuple(labels[1].split(","))
+    rows = sizes[0]
+    if len(columns) != sizes[1] or values.size != rows * len(columns):
+        raise InputError(f"{place}: data", f"{rows} x {len(columns)} numbers", str(values.size))
+    return Table(labels[0], columns, values.astype(np.float64).reshape(rows, len(columns)))
+
+
+def _parse(data: bytes) -> tuple[list[str], list[int], np.ndarray[tuple[int], np.dtype[np.float64]]]:
+    cursor = _Cursor(data)
+    labels, sizes = [], []
+    for _dimension in range(cursor.word()):
+        labels.append(cursor.text())
+        sizes.append(cursor.word())
+        cursor.word()  # the stride follows from the sizes
+    cursor.word()  # offset of the data, always 0
+    count = cursor.word()
+    if count:
+        cursor.align(8)
+    return labels, sizes, np.frombuffer(data, dtype=cursor.order + "f8", count=count, offset=cursor.at)

@@ -1,0 +1,155 @@
+"""`metadata.yaml` of a rosbag2 folder, version 9: what `ros2 bag`, rosbags and this project read first."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from nw_gear_common.errors import InputError
+from nw_gear_monitor.records.qos import Qos, as_list
+
+FILE = "metadata.yaml"
+VERSION = 9
+ROOT_KEY = "rosbag2_bagfile_information"
+STORAGE = "mcap"
+DISTRIBUTION = "jazzy"
+
+
+@dataclass(frozen=True)
+class TopicEntry:
+    """One topic of a recording.
+
+    Attributes:
+        name: absolute.
+        type: for instance `std_msgs/msg/String`.
+        type_hash: RIHS01 text, empty where unknown.
+        qos: what the publishers offered.
+        count: messages.
+    """
+
+    name: str
+    type: str
+    type_hash: str = ""
+    qos: tuple[Qos, ...] = ()
+    count: int = 0
+
+
+@dataclass(frozen=True)
+class FileEntry:
+    """One MCAP file: name inside the folder, first and last log time (ns), messages."""
+
+    name: str
+    start: int
+    end: int
+    count: int
+
+
+@dataclass(frozen=True)
+class Metadata:
+    """The files and topics of a recording."""
+
+    files: tuple[FileEntry, ...] = ()
+    topics: tuple[TopicEntry, ...] = field(default=())
+
+    def to_yaml(self) -> str:
+        """The text of `metadata.yaml`."""
+        filled = [file for file in self.files if file.count]
+        start = min((file.start for file in filled), default=0)
+        end = max((file.end for file in filled), default=0)
+        content = {
+            "version": VERSION,
+            "storage_identifier": STORAGE,
+            "duration": {"nanoseconds": end - start},
+            "starting_time": {"nanoseconds_since_epoch": start},
+            "message_count": sum(file.count for file in self.files),
+            "topics_with_message_count": [_topic(topic) for topic in self.topics],
+            "compression_format": "",
+            "compression_mode": "",
+            "relative_file_paths": [file.name for file in self.files],
+            "files": [_file(file) for file in self.files],
+            "custom_data": None,
+            "ros_distro": DISTRIBUTION,
+        }
+        return yaml.safe_dump({ROOT_KEY: content}, sort_keys=False, allow_unicode=True)
+
+
+def _topic(topic: TopicEntry) -> dict[str, Any]:
+    described = {
+        "name": topic.name,
+        "type": topic.type,
+        "serialization_format": "cdr",
+        "offered_qos_profiles": as_list(topic.qos),
+        "type_description_hash": topic.type_hash,
+    }
+    return {"topic_metadata": described, "message_count": topic.count}
+
+
+def _file(file: FileEntry) -> dict[str, Any]:
+    return {
+        "path": file.name,
+        "starting_time": {"nanoseconds_since_epoch": file.start},
+        "duration": {"nanoseconds": file.end - file.start},
+        "message_count": file.count,
+    }
+
+
+def write(folder: Path, metadata: Metadata) -> None:
+    """Write `metadata.yaml` as a whole or not at all; one that is there is replaced."""
+    partial = None
+    try:
+        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=folder, prefix=f".{FILE}.", delete=False) as file:
+            partial = Path(file.name)
+            file.write(metadata.to_yaml())
+        mask = os.umask(0)
+        os.umask(mask)
+        partial.chmod(0o666 & ~mask)
+        partial.replace(folder / FILE)
+    except BaseException:
+        if partial is not None:
+            with contextlib.suppress(OSError):
+                partial.unlink()
+        raise
+
+
+@dataclass(frozen=True)
+class Listed:
+    """What `metadata.yaml` says: the names of the files, and how many messages they hold."""
+
+    files: tuple[str, ...]
+    count: int
+
+
+def read(folder: Path) -> Listed:
+    """Read which files belong to a recording.
+
+    Raises:
+        InputError: there is no `metadata.yaml`, it isn't one of rosbag2, or names a storage other than plain MCAP.
+    """
+    path = folder / FILE
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), "a rosbag2 metadata file", error.strerror or str(error)) from None
+    except (yaml.YAMLError, UnicodeDecodeError):
+        raise InputError(str(path), "a rosbag2 metadata file", "something that isn't YAML") from None
+    try:
+        information = content[ROOT_KEY]
+        storage = information["storage_identifier"]
+        mode = str(information.get("compression_mode") or "").lower()
+        files = tuple(Path(name).name for name in information["relative_file_paths"])
+        count = int(information["message_count"])
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise InputError(str(path), f"a rosbag2 metadata file ({ROOT_KEY})", "something else") from None
+    if storage != STORAGE:
+        raise InputError(
+            str(folder), "a recording with MCAP storage", f"{storage}: `ros2 bag convert` makes MCAP of it"
+        )
+    if mode not in ("", "none"):
+        raise InputError(str(folder), "MCAP files, compressed inside if at all", f"compression mode {mode}")
+    return Listed(files, count)
