@@ -13,7 +13,7 @@ from nw_gear_monitor.review.decimate import Band, Envelope, Tail, Waterfall
 from nw_gear_monitor.review.rundata import Gap, Span, Spectra, Waveform
 
 TAIL_SECONDS = 4.0
-SECTION_SECONDS = 30.0
+SECTION_SECONDS = 16.0
 BATCH = 256
 AFTER_END = 1.0
 """Seconds after the last sample in which a status may still tell of the run."""

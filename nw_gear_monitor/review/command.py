@@ -43,6 +43,7 @@ def review(
     data = read.read(folder, _progress)
     _progress("drawing")
     write(page, render(data))
+    _progress("")
     if as_json:
         states = {row.stage: row.shares for row in summary.summarise(data).stages}
         found = {
@@ -120,6 +121,8 @@ def write(page: Path, text: str) -> None:
 
 
 def _progress(words: str) -> None:
-    """Say on standard error what goes on: in place on a terminal, a line each elsewhere."""
-    end, begin = ("", "\r\x1b[K") if sys.stderr.isatty() else ("\n", "")
-    print(f"{begin}{words}", end=end, file=sys.stderr, flush=True)
+    """Say on standard error what goes on: in place on a terminal (no words clear the line), a line each elsewhere."""
+    if sys.stderr.isatty():
+        print(f"\r\x1b[K{words}", end="", file=sys.stderr, flush=True)
+    elif words:
+        print(words, file=sys.stderr, flush=True)

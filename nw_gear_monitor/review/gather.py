@@ -58,14 +58,9 @@ class Gatherer:
         }
 
     @property
-    def message_topics(self) -> frozenset[str]:
-        """Relative topics that are wanted as messages."""
-        return frozenset(self._handlers)
-
-    @property
-    def table_topics(self) -> frozenset[str]:
-        """Relative topics that are wanted as tables."""
-        return frozenset(self._table_handlers)
+    def topics(self) -> frozenset[str]:
+        """The topics that are of use, relative to the namespace."""
+        return frozenset(self._handlers) | frozenset(self._table_handlers)
 
     def _fresh(self) -> None:
         self._first, self._last = np.inf, -np.inf
@@ -82,14 +77,13 @@ class Gatherer:
         self._truth_values: dict[str, str] = {}
         self._truth_message = ""
 
-    def message(self, topic: str, log_time: float, message: Any) -> None:
-        """Take a decoded message of one of `message_topics`; `log_time` in s."""
-        self._handlers[topic](log_time, message)
-
-    def table(self, topic: str, log_time: float, table: Table) -> None:
-        """Take a table of one of `table_topics`; `log_time` in s."""
-        if len(table):
-            self._table_handlers[topic](log_time, table)
+    def take(self, topic: str, log_time: float, value: Any) -> None:
+        """Take a table or a decoded message of one of `topics`; what isn't of that topic's kind is left out."""
+        if isinstance(value, Table):
+            if topic in self._table_handlers and len(value):
+                self._table_handlers[topic](log_time, value)
+        elif topic in self._handlers:
+            self._handlers[topic](log_time, value)
 
     # --- one handler per topic ----------------------------------------------------------------------------------------
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections import Counter
 
 import jinja2
+from bokeh.document import Document
 from bokeh.embed import components
+from bokeh.models import Model
 from bokeh.resources import Resources
 from markupsafe import Markup
 
@@ -23,7 +25,7 @@ def render(run: RunData) -> str:
     numbers = summary.summarise(run)
     parts = sections.build(run, numbers, *measured.find(run))
     models = {name: model for part in parts for name, model in part.figures.items()}
-    script, divs = components(models, wrap_script=True) if models else ("", {})
+    script, divs = _embed(models)
     environment = jinja2.Environment(
         autoescape=True,
         trim_blocks=True,
@@ -45,6 +47,18 @@ def render(run: RunData) -> str:
         facts=facts(run, numbers),
         footer=f"Made by nw_gear {nw_gear_common.__version__} from {run.source.name}.",
     )
+
+
+def _embed(models: dict[str, Model]) -> tuple[str, dict[str, str]]:
+    """Script and divisions of the figures. They go into one document at once, since one by one costs n squared."""
+    if not models:
+        return "", {}
+    document = Document()
+    with document.models.freeze():
+        for model in models.values():
+            document.add_root(model)
+    script, divs = components(models, wrap_script=True)
+    return script, divs
 
 
 def _name(run: RunData) -> str:

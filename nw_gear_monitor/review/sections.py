@@ -127,8 +127,8 @@ def _forces(run: RunData, time_range: Range1d) -> Section:
     section = Section("forces", "Mesh and bearing forces")
     if run.mesh_force is not None:
         section.text = (
-            "Mesh forces come from the view topic, which holds momentary values, some ten per second: a band from the "
-            "least to the largest of them, and their mean. Bearing forces are envelopes of every sample."
+            "Mesh forces come from the view topic, which holds momentary values, far fewer than samples: a band "
+            "from the least to the largest of them, and their mean. Bearing forces are envelopes of every sample."
         )
     section.add(3, [forces.mesh_force(run, s, time_range) for s in names.STAGES], "Mesh forces were not recorded.")
     bearings = [
@@ -164,7 +164,8 @@ def _phase(run: RunData, summary: Summary) -> Section:
     text = (
         "Top: the path in the plane of displacement and velocity. Below: where it is once per mesh cycle, at a fixed "
         "mesh phase: n clusters per planet for period n, a curve for two frequencies, a scattered figure for chaos. "
-        "Lines of the other stages widen a cluster into a ring, and a changing load smears it, without being chaos."
+        "Lines of the other stages widen a cluster into a ring, and a changing load smears it, without being chaos. "
+        "The moving mean over a second, which follows the load, is taken out."
     )
     section = Section("phase", "Phase diagrams and Poincaré sections", text)
     still = NOT_TURNING if run.waveform is not None else "The waveform was not recorded."

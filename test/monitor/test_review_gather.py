@@ -19,7 +19,7 @@ ORIGIN = 1.75e9
 
 def feed(gatherer, items):
     for topic, at, payload in items:
-        (gatherer.table if isinstance(payload, Table) else gatherer.message)(topic, at, payload)
+        gatherer.take(topic, at, payload)
 
 
 def gathered(items, seconds=SECONDS, origin=ORIGIN):
@@ -146,7 +146,7 @@ def test_memory_of_the_history_is_bounded():
     gatherer = Gatherer()
     columns = ("time", "rms")
     for i in range(30_000):
-        gatherer.table(names.indicators_topic("III"), 0.0, Table("row", columns, np.array([[float(i), 1.0]])))
+        gatherer.take(names.indicators_topic("III"), 0.0, Table("row", columns, np.array([[float(i), 1.0]])))
     run = gatherer.result(Path("x"), True, (0.0, 1.0), {}, {})
     rows = run.indicators["III"]
     assert 2000 <= len(rows) <= 4001

@@ -58,14 +58,15 @@ def samples(run: RunData, stage: str, source: ColumnDataSource) -> figure | None
     begin = float(source.data["t"][0])
     frequency = abs(float(waveform.mesh_frequency.mean[-1, names.STAGES.index(stage)]))
     shown = min(end - begin, CYCLES_SHOWN / frequency) if frequency > 0.0 else end - begin
+    meshes = names.MESHES_OF_STAGE[stage]
+    visible = np.asarray(source.data["t"]) >= end - shown
+    heights = np.concatenate([np.asarray(source.data[m])[visible] for m in meshes])
     span = Range1d(end - shown, end, bounds=(begin, end))
     title = (
         f"Stage {stage}: last {shown:.2g} s, every sample at {waveform.rate:.0f} Hz (pan back for {end - begin:.2g} s)"
     )
-    fig = style.make_figure(
-        title, "Time since start (s)", "Displacement (µm)", height=250, x_range=span, tools=style.TIME_TOOLS
-    )
-    meshes = names.MESHES_OF_STAGE[stage]
+    fig = style.make_figure(title, "Time since start (s)", "Displacement (µm)", height=250, x_range=span)
+    fig.y_range = style.padded(heights)
     lines = [fig.line("t", m, source=source, line_color=style.MESH_COLOURS[m], line_width=1.2) for m in meshes]
     if len(meshes) > 1:
         style.add_legend(fig, [(style.mesh_label(m), [line]) for m, line in zip(meshes, lines, strict=True)])

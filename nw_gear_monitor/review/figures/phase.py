@@ -11,13 +11,13 @@ from bokeh.plotting import figure
 from nw_gear_common import names
 from nw_gear_common.tables import Array
 from nw_gear_monitor.review.figures import style
-from nw_gear_monitor.review.rundata import RunData
+from nw_gear_monitor.review.rundata import RunData, Waveform
 
 MICRO = 1e6
 MILLI = 1e3
 CYCLES = 20
-MARGIN = 0.08
-LEAST_ROOM = 1e-3
+SLOW_SECONDS = 1.0
+"""Length of the moving mean that is taken out, so that a changing load doesn't smear the figures."""
 
 
 @dataclass(frozen=True)
@@ -38,29 +38,67 @@ def paths(run: RunData, stage: str) -> dict[str, Array]:
         return {}
     tail = waveform.tail
     last = tail.column("time") >= tail.column("time")[-1] - CYCLES / frequency
-    return {m: tail.select((f"x_{m}", f"v_{m}"))[last] for m in names.MESHES_OF_STAGE[stage]}
+    time = tail.column("time")[last]
+    return {
+        m: np.column_stack([tail.column(f"x_{m}")[last] - slow(waveform, m, time), tail.column(f"v_{m}")[last]])
+        for m in names.MESHES_OF_STAGE[stage]
+    }
+
+
+def slow(waveform: Waveform, mesh: str, time: Array) -> Array:
+    """What the load does to a displacement, without the vibration (m), at some times (s).
+
+    A straight line is fitted to the bins within SLOW_SECONDS around each time; away from the ends of the run that is
+    the moving mean.
+    """
+    band = waveform.displacement
+    t, x = band.time - band.time[0], band.mean[:, band.channels.index(mesh)]
+    first = np.searchsorted(t, t - 0.5 * SLOW_SECONDS)
+    last = np.searchsorted(t, t + 0.5 * SLOW_SECONDS, side="right")
+
+    def average(values: Array) -> Array:
+        total = np.concatenate([[0.0], np.cumsum(values)])
+        mean: Array = (total[last] - total[first]) / (last - first)
+        return mean
+
+    centre, level = average(t), average(x)
+    spread = average(t * t) - centre**2
+    slope = np.where(spread > 0.0, (average(t * x) - centre * level) / np.where(spread > 0.0, spread, 1.0), 0.0)
+    found: Array = np.interp(time, band.time, level + slope * (t - centre))
+    return found
+
+
+def points(run: RunData, stage: str) -> Array:
+    """Section points of a stage: planet, x about its slow mean where there is a waveform (m), v (m/s)."""
+    found = run.sections.get(stage)
+    if found is None:
+        return np.empty((0, 3))
+    moved = found[:, 1:].copy()
+    for planet, mesh in enumerate(names.MESHES_OF_STAGE[stage], start=1):
+        own = found[:, 1] == planet
+        if run.waveform is not None and own.any():
+            moved[own, 1] -= slow(run.waveform, mesh, found[own, 0])
+    return moved
 
 
 def axes(run: RunData, stage: str) -> Axes | None:
     """Ranges that hold the paths and the section of a stage, None where there is neither."""
     parts = list(paths(run, stage).values())
-    if stage in run.sections:
-        parts.append(run.sections[stage][:, 2:4])
-    points = np.concatenate(parts) if parts else np.empty((0, 2))
-    if not len(points):
+    parts.append(points(run, stage)[:, 1:])
+    everything = np.concatenate(parts)
+    if not len(everything):
         return None
-    return Axes(_range(MICRO * points[:, 0]), _range(MILLI * points[:, 1]))
-
-
-def _range(values: Array) -> Range1d:
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    room = max(MARGIN * (high - low), LEAST_ROOM)
-    return Range1d(low - room, high + room)
+    return Axes(style.padded(MICRO * everything[:, 0]), style.padded(MILLI * everything[:, 1]))
 
 
 def _plane(title: str, shared: Axes) -> figure:
     return style.make_figure(
-        title, "Displacement (µm)", "Velocity (mm/s)", height=340, x_range=shared.x, y_range=shared.v
+        title,
+        "Displacement about its slow mean (µm)",
+        "Velocity (mm/s)",
+        height=340,
+        x_range=shared.x,
+        y_range=shared.v,
     )
 
 
@@ -81,15 +119,15 @@ def portrait(run: RunData, stage: str, shared: Axes | None) -> figure | None:
 
 def section(run: RunData, stage: str, shared: Axes | None) -> figure | None:
     """Poincaré section: (x, v) once per mesh cycle at a fixed mesh phase, the last seconds, coloured by planet."""
-    points = run.sections.get(stage)
-    if points is None or shared is None:
+    found = points(run, stage)
+    if not len(found) or shared is None:
         return None
-    seconds = points[-1, 0] - points[0, 0]
-    fig = _plane(f"Stage {stage}: Poincaré section, last {seconds:.0f} s ({len(points)} points)", shared)
+    seconds = run.sections[stage][-1, 0] - run.sections[stage][0, 0]
+    fig = _plane(f"Stage {stage}: Poincaré section, last {seconds:.0f} s ({len(found)} points)", shared)
     items = []
-    for planet in np.unique(points[:, 1]).astype(int).tolist():
-        own = points[points[:, 1] == planet]
-        x, v = style.small(MICRO * own[:, 2]), style.small(MILLI * own[:, 3])
+    for planet in np.unique(found[:, 0]).astype(int).tolist():
+        own = found[found[:, 0] == planet]
+        x, v = style.small(MICRO * own[:, 1]), style.small(MILLI * own[:, 2])
         colour = style.PLANET_COLOURS.get(planet, style.BLUE)
         dots = fig.scatter(x, v, size=3.5, color=colour, alpha=0.6, line_color=None)
         items.append((f"planet {planet}" if len(names.MESHES_OF_STAGE[stage]) > 1 else style.mesh_label(stage), [dots]))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from bokeh.core.enums import SizingModeType
-from bokeh.models import ColumnDataSource, HoverTool, Legend, LegendItem, NumeralTickFormatter, Range1d, Span
+from bokeh.models import ColumnDataSource, HoverTool, Legend, LegendItem, Range1d, Span
 from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
@@ -166,6 +166,8 @@ def hover(
     fig.add_tools(HoverTool(renderers=list(renderers), tooltips=list(tooltips), mode=mode, line_policy="nearest"))
 
 
-def plain_numbers(fig: figure, pattern: str = "0[.]0[00]") -> None:
-    """Tick labels without powers of ten on the y axis."""
-    fig.yaxis.formatter = NumeralTickFormatter(format=pattern)
+def padded(values: Array, least: float = 1e-3) -> Range1d:
+    """A range that holds all values with some room on both sides, `least` where they are all the same."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    room = max(0.08 * (high - low), least)
+    return Range1d(low - room, high + room)

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 from bokeh.models import ColorBar, FixedTicker, LinearColorMapper, Range1d
-from bokeh.palettes import Cividis256
+from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
 from nw_gear_common import names
@@ -15,8 +15,11 @@ from nw_gear_monitor.review.figures import style
 from nw_gear_monitor.review.rundata import RunData
 
 MICRO = 1e6
-ROWS = 480
+ROWS = 220
+"""About as many as the figure has pixels, so that no thin line falls between two of them."""
 DECADES = 4.0
+SLOW = 5.0
+"""Below this frequency (Hz) is drift of the load, which doesn't set the colours."""
 HIGHEST = {"I": 400.0, "II": 800.0, "III": 1600.0}
 
 
@@ -32,14 +35,15 @@ def waterfall(run: RunData, stage: str, time_range: Range1d) -> figure | None:
     shown = spectra.axis <= highest
     factor = max(1, int(shown.sum()) // ROWS)
     levels = MICRO * pool(spectra.waterfall[:, shown, stages.index(stage)].T.astype(np.float64), factor)
-    top = float(np.ceil(np.log10(max(float(levels.max()), 1e-5))))
+    turning = np.arange(len(levels)) * factor * (spectra.axis[1] - spectra.axis[0]) >= SLOW
+    top = float(np.ceil(np.log10(max(float(levels[turning].max()), 1e-5))))
     image = np.clip(np.log10(np.maximum(levels, 1e-12)), top - DECADES, top).astype(np.float32)
     hop = float(np.median(np.diff(spectra.times)))
     title = f"Stage {stage}: amplitude (µm) over time; dotted: mesh frequency f_{stage}"
-    fig = style.time_figure(title, "Frequency (Hz)", time_range, height=280)
+    fig = style.time_figure(title, "Frequency (Hz)", time_range, height=290)
     fig.y_range = Range1d(0.0, highest)
     fig.grid.visible = False
-    mapper = LinearColorMapper(palette=Cividis256, low=top - DECADES, high=top)
+    mapper = LinearColorMapper(palette=Viridis256, low=top - DECADES, high=top)
     for begin, end in _stretches(spectra.times, hop):
         fig.image(
             [image[:, begin:end]],
