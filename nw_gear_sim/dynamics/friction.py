@@ -11,7 +11,8 @@ mesh phase Phi = 0: on the transverse plane at axial position b it stands at s =
 b tan beta_b. The five cases of the paper's Eq 11 hold for stage I only (they need eps_beta <= eps_alpha / 2); clipping
 holds for all.
 
-Since dl = ds / sin beta_b on every line, the integrals follow from primitives in s, computed once per speed.
+Since dl = ds / sin beta_b on every line, the integrals follow from primitives in s, computed once per speed:
+-int_0^|s| mu dr for g_0 (even in s), -sgn(s) int_0^|s| mu r dr for g_1 (odd), on a grid that is dense at the pitch point.
 """
 
 from __future__ import annotations
@@ -58,23 +59,26 @@ def contact_lines(pair: PairGeometry) -> tuple[Array, Array]:
     return low, high
 
 
-def tables(pair: PairGeometry, friction: Friction, driver_speed: float) -> Array:
+def tables(pair: PairGeometry, friction: Friction, driver_speed: float, fade_speed: float) -> Array:
     """Return g_0 (dimensionless) and g_1 (m) over one mesh period, shape (2, PHASES + 1), periodic.
 
-    Linear interpolation between entries is meant. Zero where friction is switched off.
+    Linear interpolation between entries is meant. Zero where friction is switched off. Below `fade_speed` (rad/s of the
+    driver) friction falls linearly to zero at rest, where its sense has no meaning.
     """
     result = np.zeros((MOMENTS, PHASES + 1))
     if not friction.enabled:
         return result
-    s = np.linspace(-pair.approach, pair.recess, _POINTS)
-    traction = -np.sign(s) * coefficient(friction, sliding_rate(pair, driver_speed) * s)
+    distance = max(pair.approach, pair.recess) * np.linspace(0.0, 1.0, _POINTS) ** 2
+    mu = coefficient(friction, sliding_rate(pair, driver_speed) * distance)
     low, high = contact_lines(pair)
     length = (high - low).sum(axis=1)
     for m in range(MOMENTS):
-        integrand = traction * s**m
-        steps = 0.5 * (integrand[1:] + integrand[:-1]) * np.diff(s)
-        primitive = np.concatenate([[0.0], np.cumsum(steps)])
-        inside = np.interp(high, s, primitive) - np.interp(low, s, primitive)
-        result[m, :-1] = inside.sum(axis=1) / length
+        integrand = mu * distance**m
+        steps = 0.5 * (integrand[1:] + integrand[:-1]) * np.diff(distance)
+        primitive = -np.concatenate([[0.0], np.cumsum(steps)])
+        ends = [np.sign(s) ** m * np.interp(np.abs(s), distance, primitive) for s in (high, low)]
+        result[m, :-1] = (ends[0] - ends[1]).sum(axis=1) / length
     result[:, -1] = result[:, 0]
+    if abs(driver_speed) < fade_speed:
+        result *= abs(driver_speed) / fade_speed
     return result

@@ -98,7 +98,7 @@ def _excite(g: Record, table: Array, angle: float) -> tuple[float, float, float,
     phase = g.ratio * angle + g.offset
     cos, sin = math.cos(phase - g.phase), math.sin(phase - g.phase)
     stiffness = g.stiffness * (1.0 + g.variation * cos)
-    error = g.error_mean + g.error_amplitude * cos
+    error = g.error_mean + g.error_amplitude * sin
     turns = phase / (2.0 * math.pi)
     count = table.shape[1] - 1
     place = (turns - math.floor(turns)) * count
@@ -106,7 +106,7 @@ def _excite(g: Record, table: Array, angle: float) -> tuple[float, float, float,
     share = place - k
     g0 = table[0, k] + share * (table[0, k + 1] - table[0, k])
     g1 = table[1, k] + share * (table[1, k + 1] - table[1, k])
-    return stiffness, error, -g.error_amplitude * sin, g0, g1
+    return stiffness, error, g.error_amplitude * cos, g0, g1
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
@@ -142,12 +142,16 @@ def _mesh_ring(
     p0, p1 = (r.base - r.radius * c0) / r.base, (r.base - r.radius * c1) / r.base
     w0, w1 = 1.0 - share, share
     d, nx, ny = g.driven, g.normal_x, g.normal_y
-    x = w0 * (cb * (s0 * q[i0] + c0 * q[m + i0] + p0 * q[2 * m + i0]) + sb * q[3 * m + i0])
-    x += w1 * (cb * (s1 * q[i1] + c1 * q[m + i1] + p1 * q[2 * m + i1]) + sb * q[3 * m + i1])
-    x += error - cb * (q[d] + nx * q[d + 1] + ny * q[d + 2]) - sb * q[d + 3]
+    a0 = cb * (s0 * q[i0] + c0 * q[m + i0] + p0 * q[2 * m + i0]) + sb * q[3 * m + i0]
+    a1 = cb * (s1 * q[i1] + c1 * q[m + i1] + p1 * q[2 * m + i1]) + sb * q[3 * m + i1]
+    x = w0 * a0 + w1 * a1 + error - cb * (q[d] + nx * q[d + 1] + ny * q[d + 2]) - sb * q[d + 3]
     v = w0 * (cb * (s0 * rate[i0] + c0 * rate[m + i0] + p0 * rate[2 * m + i0]) + sb * rate[3 * m + i0])
     v += w1 * (cb * (s1 * rate[i1] + c1 * rate[m + i1] + p1 * rate[2 * m + i1]) + sb * rate[3 * m + i1])
     v += slope * g.ratio * speed - cb * (rate[d] + nx * rate[d + 1] + ny * rate[d + 2]) - sb * rate[d + 3]
+    lever = r.radius / r.base
+    turn = w0 * cb * (c0 * q[i0] - s0 * q[m + i0] + lever * s0 * q[2 * m + i0])
+    turn += w1 * cb * (c1 * q[i1] - s1 * q[m + i1] + lever * s1 * q[2 * m + i1])
+    v += speed * (turn + (a0 - a1) / pitch)  # the ring turns past the contact: (dh/dt)^T q
     f, pressed = _force(g, stiffness, x, v, observed)
     rub = pressed * g0 * g.friction_sign
     moment = pressed * (g.driver_arm * g0 - g1)

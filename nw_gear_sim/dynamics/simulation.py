@@ -21,6 +21,8 @@ _LIMIT = 1e-9
 """How far steps per sample may be from a whole number."""
 _FRICTION_CHANGE = 1e-3
 """Friction tables are made anew when the speed has changed by this share of the rated speed."""
+_FADE_SPEED = 5e-3
+"""Share of the rated speed below which tooth friction fades."""
 
 
 class Divergence(NwGearError):
@@ -148,7 +150,12 @@ class Simulation:
         drivers = ("ring", "planet", "sun")
         return np.array(
             [
-                friction.tables(stage.pair, self._configuration.friction, speed * k.shaft_ratio[shaft])
+                friction.tables(
+                    stage.pair,
+                    self._configuration.friction,
+                    speed * k.shaft_ratio[shaft],
+                    _FADE_SPEED * rated * k.shaft_ratio[shaft],
+                )
                 for stage, shaft in zip(k.stages, drivers, strict=True)
             ]
         )
