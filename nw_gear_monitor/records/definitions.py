@@ -18,9 +18,8 @@ from pathlib import Path
 from nw_gear_common.errors import InputError
 
 SEPARATOR = "=" * 80
-PRIMITIVES = frozenset(
-    "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 string wstring".split()
-)
+_NUMBERS = ("float32", "float64", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)))
+PRIMITIVES = frozenset(("bool", "byte", "char", "string", "wstring", *_NUMBERS))
 _FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?\s*(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
 _IDL_WORDS = {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}
 _SEQUENCE = re.compile(r"^sequence<(.+?)(?:, (\d+))?>$")

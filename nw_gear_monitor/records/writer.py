@@ -58,7 +58,12 @@ class RecordingWriter:
             raise InputError(str(folder), "a folder that can be made", error.strerror or str(error)) from None
         self.folder = folder
         self.path = folder / (file or f"{folder.resolve().name}_0.mcap")
-        self._mcap = McapWriter(self.path, compression)
+        try:
+            self._mcap = McapWriter(self.path, compression)
+        except OSError as error:
+            self.path.unlink(missing_ok=True)
+            folder.rmdir()
+            raise InputError(str(folder), "a folder that can be written to", error.strerror or str(error)) from None
         self._topics: dict[int, TopicEntry] = {}
 
     @property

@@ -1,0 +1,116 @@
+"""Gives every message its log time and writes it; counts what is missing. Knows no ROS, only what came from it."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from nw_gear_common import names
+from nw_gear_monitor.records.metadata import TopicEntry
+from nw_gear_monitor.records.writer import RecordingWriter
+
+MOST_HELD = 64 * 1024 * 1024
+"""Bytes of messages that may wait for the first `/clock`; what comes beyond is recorded at time 0."""
+
+_CLOCK = struct.Struct("<4xiI")
+"""A serialised rosgraph_msgs/Clock: encapsulation, seconds, nanoseconds."""
+
+_NANO = 1_000_000_000
+
+
+class Incoming(NamedTuple):
+    """One message: topic, times when it arrived and when it was sent (ns), running number (0 unknown), CDR bytes."""
+
+    topic: str
+    received: int
+    sent: int
+    sequence: int
+    data: bytes
+
+
+@dataclass
+class Recorded:
+    """One topic that is recorded: its number in the file, and what the running numbers of its messages have told."""
+
+    number: int
+    publishers: int
+    last: int = 0
+    lost: int = 0
+
+    def follow(self, sequence: int) -> None:
+        """Count the messages that are missing before this one; only a single publisher's numbers can be followed."""
+        if self.publishers == 1 and 0 < self.last < sequence:
+            self.lost += sequence - self.last - 1
+        self.last = sequence if self.publishers == 1 else 0
+
+
+class Intake:
+    """Writes messages to a recording.
+
+    The log time of a message is when it arrived. In simulated time it is the last `/clock` that arrived before it, and
+    messages that come before the first `/clock` wait for it.
+
+    Args:
+        writer: the recording.
+        simulated: whether simulated time counts.
+    """
+
+    def __init__(self, writer: RecordingWriter, simulated: bool) -> None:
+        self.paused = False
+        self.left_out = 0
+        self._writer = writer
+        self._simulated = simulated
+        self._clock: int | None = None
+        self._topics: dict[str, Recorded] = {}
+        self._held: list[Incoming] = []
+        self._held_bytes = 0
+
+    @property
+    def topics(self) -> frozenset[str]:
+        """Topics that are recorded."""
+        return frozenset(self._topics)
+
+    @property
+    def lost(self) -> dict[str, int]:
+        """Messages known to be missing, of the topics that miss any."""
+        return {topic: recorded.lost for topic, recorded in self._topics.items() if recorded.lost}
+
+    def begin(self, topic: TopicEntry, definition: str, publishers: int) -> None:
+        """Record a topic from now on."""
+        self._topics[topic.name] = Recorded(self._writer.add_topic(topic, definition), publishers)
+
+    def publishers_changed(self, topic: str, publishers: int) -> None:
+        """Take note of how many publishers a topic has."""
+        if topic in self._topics:
+            self._topics[topic].publishers, self._topics[topic].last = publishers, 0
+
+    def take(self, messages: Iterable[Incoming]) -> None:
+        """Write messages, which come in the order in which they arrived."""
+        for message in messages:
+            if self._simulated and message.topic == names.CLOCK:
+                seconds, nanoseconds = _CLOCK.unpack_from(message.data)
+                self._clock = seconds * _NANO + nanoseconds
+                self.release()
+            recorded = self._topics.get(message.topic)
+            if recorded is None:
+                continue
+            recorded.follow(message.sequence)
+            if self.paused:
+                self.left_out += 1
+            elif self._simulated and self._clock is None and self._held_bytes < MOST_HELD:
+                self._held.append(message)
+                self._held_bytes += len(message.data)
+            else:
+                self._write(recorded, message)
+
+    def release(self) -> None:
+        """Write the messages that wait for a `/clock`; without one at time 0."""
+        held, self._held, self._held_bytes = self._held, [], 0
+        for message in held:
+            self._write(self._topics[message.topic], message)
+
+    def _write(self, recorded: Recorded, message: Incoming) -> None:
+        log_time = (self._clock or 0) if self._simulated else message.received
+        self._writer.write(recorded.number, message.data, log_time, message.sent, message.sequence)
