@@ -1,4 +1,4 @@
-"""The reference equations hold what mechanics demands."""
+"""The reference equations hold what mechanics demands, and the fast right-hand side agrees with them."""
 
 import math
 
@@ -7,11 +7,14 @@ import pytest
 
 from nw_gear_common import names
 from nw_gear_sim.config import load, with_values
+from test.sim import fast_model
 from test.sim.reference_model import Instant, ReferenceModel
 
 CONFIGURATION = load()
 SMOOTH = {f"mesh.{stage}.error_amplitude": 0.0 for stage in names.STAGES}
 RATED = 4.3e6
+ROUNDING = 2e-11
+"""Relative: the fast roller law is good to 2e-12 of a roller's load, and loads of opposite rollers cancel."""
 
 
 def model(**values: object) -> ReferenceModel:
@@ -159,6 +162,75 @@ def test_friction_coefficient_without_growth_is_exact() -> None:
             behind = sum(max(high, 0.0) - max(low, 0.0) for low, high in lines)
             share = sum(weight for _, weight in reference.sliding_friction(stage, phase, 1.8))
             assert share == pytest.approx(0.05 * (before - behind) / (before + behind), rel=1e-12)
+
+
+# --- the fast right-hand side -----------------------------------------------------------------------------------------
+
+
+def largest_difference(reference: ReferenceModel, seed: int, now: Instant) -> tuple[float, float]:
+    """Largest difference of generalised forces, relative to the largest of their kind; and in N."""
+    q, v = random_state(reference, seed)
+    slow = reference.accelerations(q, v, now)
+    fast = fast_model.evaluate(reference, q, v, now)
+    kinds: dict[str, list[tuple[float, float]]] = {}
+    for name, mass in reference.masses.items():
+        kind = ".".join(name.replace("_", ".").split(".")[:: 1 if name.startswith("ring") else 2][:2])
+        kinds.setdefault(kind, []).append((abs(slow[name] - fast.accelerations[name]) * mass, abs(slow[name]) * mass))
+    relative = max(max(d for d, _ in values) / max(s for _, s in values) for values in kinds.values())
+    for k, mesh in enumerate(names.MESHES):
+        state = reference.mesh_state(mesh, q, v, now)
+        assert fast.x[k] == pytest.approx(state.x, abs=1e-15)
+        assert fast.v[k] == pytest.approx(state.v, abs=1e-12)
+        assert fast.force[k] == pytest.approx(state.force, abs=1e-4)
+    return relative, max(d for values in kinds.values() for d, _ in values)
+
+
+INSTANTS = [
+    (0.0, 1.81, RATED),
+    (0.37, 0.4, 0.0),
+    (-5.2, 1.81, 2e6),
+    (123.4, 1.2, 5e6),
+    (2 * math.pi / 100, 1.81, RATED),
+]
+
+
+@pytest.mark.parametrize("mode", ["kinematic", "tied"])
+@pytest.mark.parametrize("in_gap", [True, False])
+@pytest.mark.parametrize("seed", range(len(INSTANTS)))
+def test_fast_right_hand_side_without_friction(seed: int, in_gap: bool, mode: str) -> None:
+    reference = model(friction__enabled=False, mesh__damping_in_gap=in_gap, excitation__mode=mode)
+    assert largest_difference(reference, seed, Instant(*INSTANTS[seed]))[0] < ROUNDING
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_fast_right_hand_side_of_other_gearboxes(seed: int) -> None:
+    """Fewer segments, ball bearings, another direction of gravity: nothing is tied to the default numbers."""
+    reference = model(
+        friction__enabled=False,
+        ring__segments=37,
+        bearings__exponent=1.5,
+        gravity__direction=0.7,
+        mesh__I__error_mean=1e-5,
+    )
+    assert largest_difference(reference, seed, Instant(*INSTANTS[seed]))[0] < ROUNDING
+
+
+@pytest.mark.parametrize("mode", ["kinematic", "tied"])
+@pytest.mark.parametrize("seed", range(len(INSTANTS)))
+def test_fast_friction(seed: int, mode: str) -> None:
+    reference = model(excitation__mode=mode)
+    now = Instant(*INSTANTS[seed])
+    q, v = random_state(reference, seed)
+    pressed = max(abs(reference.mesh_state(mesh, q, v, now).elastic) for mesh in names.MESHES)
+    assert largest_difference(reference, seed, now)[1] < fast_model.FRICTION_ERROR * pressed
+
+
+def test_fast_equilibrium_is_one() -> None:
+    reference = model(friction__enabled=False)
+    q, angle = fast_model.equilibrium(reference, RATED)
+    forces = reference.forces(q, at_rest(reference), Instant(angle, 0.0, RATED))
+    lever = reference.kinematics.bodies.ring.base_radius
+    assert max(abs(f) / (lever if "psi" in name else 1) for name, f in forces.items()) < 0.02  # N, of 1.2e6 N per mesh
 
 
 def test_degrees_of_freedom() -> None:
