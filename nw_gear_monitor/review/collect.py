@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from typing import Any
 
@@ -188,6 +189,29 @@ class RowsCollector:
     def result(self) -> Table:
         """The rows that were kept."""
         return Table(names.ROW_ROW, self.columns, np.array(self._rows).reshape(-1, len(self.columns)))
+
+
+class TruthCollector:
+    """The last values of the simulator's truth, and the mean over the run of those that are numbers."""
+
+    def __init__(self) -> None:
+        self.message = ""
+        self.last: dict[str, str] = {}
+        self._sums: dict[str, list[float]] = {}
+
+    def add(self, status: Any) -> None:
+        """Take one DiagnosticStatus."""
+        self.message = status.message
+        self.last = {pair.key: pair.value for pair in status.values}
+        for key, value in self.last.items():
+            with contextlib.suppress(ValueError):
+                total = self._sums.setdefault(key, [0.0, 0.0])
+                total[0] += float(value)
+                total[1] += 1.0
+
+    def means(self) -> dict[str, float]:
+        """Mean of every number over all messages."""
+        return {key: total / count for key, (total, count) in self._sums.items() if count}
 
 
 class DiagnosticsCollector:

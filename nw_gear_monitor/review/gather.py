@@ -16,6 +16,7 @@ from nw_gear_monitor.review.collect import (
     RowsCollector,
     Series,
     SpectraCollector,
+    TruthCollector,
     WaveformCollector,
 )
 from nw_gear_monitor.review.decimate import Tail
@@ -74,8 +75,7 @@ class Gatherer:
         self._sections = {s: Tail(SECTION_SECONDS) for s in names.STAGES}
         self._rows: dict[str, RowsCollector] = {}
         self._states = DiagnosticsCollector()
-        self._truth_values: dict[str, str] = {}
-        self._truth_message = ""
+        self._known = TruthCollector()
 
     def take(self, topic: str, log_time: float, value: Any) -> None:
         """Take a table or a decoded message of one of `topics`; what isn't of that topic's kind is left out."""
@@ -113,8 +113,7 @@ class Gatherer:
         return take
 
     def _truth(self, _log_time: float, message: Any) -> None:
-        self._truth_values = {pair.key: pair.value for pair in message.values}
-        self._truth_message = message.message
+        self._known.add(message)
 
     def _diagnostics(self, _log_time: float, message: Any) -> None:
         self._states.add(_stamp(message), message)
@@ -205,6 +204,7 @@ class Gatherer:
             indicators={mesh: rows.result() for mesh, rows in sorted(self._rows.items())},
             spans=self._states.result(start, end),
             values=self._states.values,
-            truth=self._truth_values,
-            truth_message=self._truth_message,
+            truth=self._known.last,
+            truth_means=self._known.means(),
+            truth_message=self._known.message,
         )

@@ -120,6 +120,7 @@ class RunData:
         spans: history of every diagnostic status by name.
         values: last values of every diagnostic status by name.
         truth: last values of the simulator's truth.
+        truth_means: mean over the run of those that are numbers.
         truth_message: its message.
     """
 
@@ -144,6 +145,7 @@ class RunData:
     spans: Mapping[str, tuple[Span, ...]] = field(default_factory=dict)
     values: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     truth: Mapping[str, str] = field(default_factory=dict)
+    truth_means: Mapping[str, float] = field(default_factory=dict)
     truth_message: str = ""
 
     @property
@@ -166,6 +168,17 @@ class RunData:
             or self.indicators
             or any(self.stage_spans(s) for s in names.STAGES)
         )
+
+    @property
+    def wind_drove(self) -> bool:
+        """Whether the wind drove the gearbox; at a fixed operating point the simulator names no wind."""
+        said = next((v for name, v in self.values.items() if name.endswith(": integration")), None)
+        return said is None or any(key.startswith("wind speed") for key in said)
+
+    def contact(self, kind: str, mesh: str) -> float | None:
+        """Share of the run in which a mesh was `open` or on its `back-flank`, None where the truth isn't known."""
+        begin = f"{kind} fraction {mesh}"
+        return next((mean for key, mean in self.truth_means.items() if key.split(" (")[0] == begin), None)
 
     def stage_spans(self, stage: str) -> tuple[Span, ...]:
         """History of the states of one stage."""

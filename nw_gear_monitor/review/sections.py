@@ -88,7 +88,8 @@ def _summary(summary: Summary, run: RunData) -> Section:
 
 
 def _wind_and_load(run: RunData, time_range: Range1d, measured: Measured | None, remark: str) -> Section:
-    text = f"Figures over time are linked: zoom or pan one and all follow. {remark}"
+    fixed = "" if run.wind_drove else "The operating point was fixed: the wind was published but didn't drive. "
+    text = f"{fixed}Figures over time are linked: zoom or pan one and all follow. {remark}"
     section = Section("wind-and-load", "Wind and load", text.strip())
     section.add(1, [operation.wind(run, time_range, measured)], "The wind speed was not recorded.")
     load = [f(run, time_range) for f in (operation.speed, operation.torque, operation.power, operation.mesh_frequency)]
@@ -207,9 +208,10 @@ def _alarms(run: RunData, summary: Summary, time_range: Range1d) -> Section:
 def _truth(run: RunData) -> Section:
     section = Section("truth", "Truth of the simulator")
     if run.truth:
-        text = f"What the simulator knows and a monitor has to find out, at the end of the run. {run.truth_message}"
-        section.text = text.strip()
-        section.tables.append(DataTable("Last values", ("Quantity", "Value"), tuple(sorted(run.truth.items()))))
+        section.text = f"What the simulator knows and a monitor has to find out. {run.truth_message}".strip()
+        section.tables += [
+            table for table in (tables.contact(run), tables.truth(run)) if table is not None and table.rows
+        ]
     else:
         section.missing.append(
             "No truth was recorded: the data may come from a real machine, or the topic was left out."

@@ -39,6 +39,7 @@ class StageSummary:
         frequency: mesh frequency (Hz), None where there is no waveform.
         rms: largest root mean square of its meshes' displacements (m), about the mean.
         peak_to_peak: largest spread of one of its meshes' displacements (m).
+        contact_lost: share of the time that one of its meshes was open, the largest; None where the truth isn't known.
         shares: label to share of the time with a label, most first.
         worst: the worst stretch, None where the monitor said nothing.
     """
@@ -47,6 +48,7 @@ class StageSummary:
     frequency: Range | None
     rms: float
     peak_to_peak: float
+    contact_lost: float | None
     shares: Mapping[str, float]
     worst: Span | None
 
@@ -125,8 +127,9 @@ def _stage(run: RunData, stage: str) -> StageSummary:
     spans = run.stage_spans(stage)
     worst = max((s for s in spans if s.state), key=severity, default=None)
     wave = run.waveform
+    contact = max((c for m in names.MESHES_OF_STAGE[stage] if (c := run.contact("open", m)) is not None), default=None)
     if wave is None:
-        return StageSummary(stage, None, math.nan, math.nan, shares(spans), worst)
+        return StageSummary(stage, None, math.nan, math.nan, contact, shares(spans), worst)
     f = wave.mesh_frequency.select((stage,))
     meshes = names.MESHES_OF_STAGE[stage]
     return StageSummary(
@@ -134,6 +137,7 @@ def _stage(run: RunData, stage: str) -> StageSummary:
         frequency=_range(np.abs(f.low), np.abs(f.mean), np.abs(f.high)),
         rms=max(wave.rms[m] for m in meshes),
         peak_to_peak=max(wave.highest[m] - wave.lowest[m] for m in meshes),
+        contact_lost=contact,
         shares=shares(spans),
         worst=worst,
     )
@@ -206,15 +210,15 @@ def headline(run: RunData, summary: Summary) -> str:
         return "The gearbox stood still: there is no state to tell."
     if summary.worst is None:
         return "The monitor published no state."
-    stage, span = summary.worst
-    if span.state == names.PERIODS[0]:
-        rows = [f"stage {row.stage} for {100 * row.shares.get(span.state, 0.0):.0f} %" for row in summary.stages]
-        return f"No stage was worse than {span.state}: {', '.join(rows)} of the time that was judged"
+    _stage_name, span = summary.worst
     if span.state in (names.UNKNOWN, names.STALE):
         return f"No stage got a label: {span.reason}"
-    share = next(row.shares.get(span.state, 0.0) for row in summary.stages if row.stage == stage)
+    found = [(row.stage, row.shares.get(span.state, 0.0)) for row in summary.stages]
+    where = ", ".join(f"stage {stage} {100 * share:.0f} %" for stage, share in found if share > 0.0)
+    if span.state == names.PERIODS[0]:
+        return f"No stage was worse than {span.state} ({where} of the time watched)"
     reason = f": {span.reason}" if span.reason else ""
-    return f"Worst state: stage {stage} {span.state} for {100 * share:.0f} % of the time that was judged{reason}"
+    return f"Worst state: {span.state} ({where} of the time watched){reason}"
 
 
 def level_words(level: int) -> str:

@@ -55,6 +55,7 @@ def _stage_row(row: StageSummary, run: RunData) -> tuple[Cell, ...]:
         in_words(row.frequency, 1.0, "Hz", 1),
         f"{MICRO * row.rms:.2f}",
         f"{MICRO * row.peak_to_peak:.1f}",
+        "not known" if row.contact_lost is None else f"{100 * row.contact_lost:.1f}",
         tuple(_state_chip(state, share) for state, share in row.shares.items()) or "not judged",
         *worst,
     )
@@ -67,12 +68,35 @@ def stages(summary: Summary, run: RunData) -> DataTable:
         "Mesh frequency",
         "RMS (µm)",
         "Peak to peak (µm)",
+        "Open (%)",
         "States (share of time)",
         "Worst",
         "When and why",
     )
-    note = "RMS about the mean, and spread, of meshing displacement over the whole run; largest of the stage's meshes."
-    return DataTable("Stages", head, tuple(_stage_row(row, run) for row in summary.stages), frozenset({2, 3}), note)
+    note = (
+        "RMS about the mean and spread of the meshing displacement, and share of time without tooth contact as the "
+        "simulator knows it, over the whole run; the largest of the stage's meshes."
+    )
+    return DataTable("Stages", head, tuple(_stage_row(row, run) for row in summary.stages), frozenset({2, 3, 4}), note)
+
+
+def contact(run: RunData) -> DataTable | None:
+    """How long each mesh had no contact, or contact on its back flank; None where the truth doesn't say."""
+    rows = []
+    for mesh in names.MESHES:
+        shares = [run.contact(kind, mesh) for kind in ("open", "back-flank")]
+        if None not in shares:
+            rows.append((mesh, *(f"{100 * share:.2f}" for share in shares if share is not None)))
+    if not rows:
+        return None
+    head = ("Mesh", "Open (% of the run)", "On the back flank (% of the run)")
+    return DataTable("Contact of the teeth", head, tuple(rows), frozenset({1, 2}))
+
+
+def truth(run: RunData) -> DataTable:
+    """What else the simulator said."""
+    rows = tuple((key, value) for key, value in sorted(run.truth.items()) if " fraction " not in key)
+    return DataTable("Last values", ("Quantity", "Value"), rows)
 
 
 def displacement(run: RunData) -> DataTable:

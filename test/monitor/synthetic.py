@@ -91,6 +91,15 @@ def _status(name: str, level: int, message: str, **values: str) -> SimpleNamespa
     return SimpleNamespace(name=name, level=bytes([level]), message=message, hardware_id="/nw_gear", values=pairs)
 
 
+def truth(share: float) -> SimpleNamespace:
+    """The simulator's truth, with mesh II_2 open for a share of the time."""
+    known = {"excitation": "kinematic"}
+    for mesh in names.MESHES:
+        known[f"open fraction {mesh} (1)"] = f"{share if mesh == 'II_2' else 0.0:.6f}"
+        known[f"back-flank fraction {mesh} (1)"] = "0.000000"
+    return _status("gear_sim_node: truth", 0, "no faults", **known)
+
+
 def diagnostics(time: float, states: dict[str, tuple[int, str, str]]) -> SimpleNamespace:
     """One DiagnosticArray: stage to (level, state, reason)."""
     found = [
@@ -105,8 +114,8 @@ def stream(seconds: int, *, origin: float = 0.0, monitor: bool = True) -> Iterat
 
     Stage II is `chaotic` (with a warning) in the third quarter of the run and `period-1` otherwise.
     """
-    truth = _status("gear_sim_node: truth", 0, "no faults", excitation="kinematic")
-    yield names.TRUTH, origin, truth
+    yield names.TRUTH, origin, truth(0.2)
+    yield names.TRUTH, origin + 0.5, truth(0.4)
     for tick in range(20 * seconds):
         now = tick / 20.0
         at = origin + now + 0.05

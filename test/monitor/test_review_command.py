@@ -55,7 +55,7 @@ def test_what_is_read_from_a_file_is_what_was_recorded(run, silent):
     assert data.waveform.samples == SECONDS * synthetic.RATE
     assert data.provenance["nw_gear.node.wind_node"]["seed"] == "7"
     assert data.topics["/nw_gear/waveform"] == (recorded.TABLE, 20 * SECONDS)
-    assert data.truth == {"excitation": "kinematic"}
+    assert data.truth["excitation"] == "kinematic"
     assert data.bearing_radial["sb"].high.max() == pytest.approx(5e3)
 
 

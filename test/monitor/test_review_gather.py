@@ -1,5 +1,6 @@
 """What is gathered from a made-up run, and what the summary says of it, against the run's closed form."""
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -77,8 +78,20 @@ def test_shares_of_states_follow_their_spans(run):
     assert worst.duration == pytest.approx(3.0)
     assert found.stages[1].shares == pytest.approx({"period-1": 8.0 / 11.0, names.CHAOTIC: 3.0 / 11.0})
     assert [span.name for span in found.alarms] == ["gear_monitor_node: stage II"]
-    assert "stage II chaotic for 27 %" in summary.headline(run, found)
+    assert "chaotic (stage II 27 % of the time watched)" in summary.headline(run, found)
     assert "unexplained variance 0.31" in summary.headline(run, found)
+
+
+def test_contact_is_the_mean_of_the_truth(run):
+    assert run.contact("open", "II_2") == pytest.approx(0.3)
+    assert run.contact("back-flank", "II_2") == 0.0
+    assert [row.contact_lost for row in summary.summarise(run).stages] == pytest.approx([0.0, 0.3, 0.0])
+
+
+def test_a_fixed_operating_point_is_told_from_one_driven_by_the_wind(run):
+    assert run.wind_drove
+    assert not dataclasses.replace(run, values={"gear_sim_node: integration": {"input torque (N m)": "1"}}).wind_drove
+    assert dataclasses.replace(run, values={"gear_sim_node: integration": {"wind speed (m/s)": "11"}}).wind_drove
 
 
 def test_unknown_is_not_worse_than_what_is_known():

@@ -108,6 +108,7 @@ def test_summary_shows_the_numbers_of_the_run(page):
         f"{SECONDS * 5120} at 5120 Hz, no gaps",
         "nw_gear demo --duration 10",
         "excitation kinematic",
+        "II_2 30.00 0.00",
     ):
         assert words in page.words, words
 

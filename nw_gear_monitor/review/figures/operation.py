@@ -60,6 +60,7 @@ def speed(run: RunData, time_range: Range1d) -> figure | None:
     fig = style.time_figure("Speed of the input shaft (ring)", "Speed (r/min)", time_range, height=210)
     source = style.band_source(run.speed.select(("ring",)), run.start, RPM, max(BREAK, 2.0 * run.speed.width))
     line = style.draw_band(fig, source, "ring", style.BLUE, mean=True)[-1]
+    style.level(fig, source.data["mean_ring"])
     style.hover(fig, [line], [("time", "@t{0.0} s"), ("speed", "@mean_ring{0.00} r/min")], "vline")
     return fig
 
@@ -71,6 +72,7 @@ def torque(run: RunData, time_range: Range1d) -> figure | None:
     fig = style.time_figure("Torque at the input shaft (ring)", "Torque (MN m)", time_range, height=210)
     source = style.band_source(run.torque.select(("ring",)), run.start, 1e-6, max(BREAK, 2.0 * run.torque.width))
     line = style.draw_band(fig, source, "ring", style.VERMILION, mean=True)[-1]
+    style.level(fig, source.data["mean_ring"])
     style.hover(fig, [line], [("time", "@t{0.0} s"), ("torque", "@mean_ring{0.000} MN m")], "vline")
     return fig
 
@@ -83,6 +85,7 @@ def power(run: RunData, time_range: Range1d) -> figure | None:
     values = run.torque.select(("ring",)).mean[:, 0] * run.speed.select(("ring",)).mean[:, 0]
     source = ColumnDataSource({"t": style.small(run.speed.time - run.start), "p": style.small(1e-6 * values)})
     line = fig.line("t", "p", source=source, line_color=style.GREEN, line_width=1.5)
+    style.level(fig, source.data["p"])
     style.hover(fig, [line], [("time", "@t{0.0} s"), ("power", "@p{0.000} MW")], "vline")
     return fig
 

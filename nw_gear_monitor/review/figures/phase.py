@@ -12,10 +12,13 @@ from nw_gear_common import names
 from nw_gear_common.tables import Array
 from nw_gear_monitor.review.figures import style
 from nw_gear_monitor.review.rundata import RunData, Waveform
+from nw_gear_monitor.signals.hermite import interpolate
 
 MICRO = 1e6
 MILLI = 1e3
 CYCLES = 20
+POINTS_PER_CYCLE = 50
+"""Paths are interpolated to at least so many points per mesh cycle."""
 SLOW_SECONDS = 1.0
 """Length of the moving mean that is taken out, so that a changing load doesn't smear the figures."""
 
@@ -39,10 +42,13 @@ def paths(run: RunData, stage: str) -> dict[str, Array]:
     tail = waveform.tail
     last = tail.column("time") >= tail.column("time")[-1] - CYCLES / frequency
     time = tail.column("time")[last]
-    return {
-        m: np.column_stack([tail.column(f"x_{m}")[last] - slow(waveform, m, time), tail.column(f"v_{m}")[last]])
-        for m in names.MESHES_OF_STAGE[stage]
-    }
+    position = np.arange(0.0, len(time) - 1.0, max(0.02, min(1.0, waveform.rate / (POINTS_PER_CYCLE * frequency))))
+    found = {}
+    for mesh in names.MESHES_OF_STAGE[stage]:
+        x = tail.column(f"x_{mesh}")[last] - slow(waveform, mesh, time)
+        values = interpolate(position, x[:, None].copy(), tail.select((f"v_{mesh}",))[last].copy(), 1.0 / waveform.rate)
+        found[mesh] = np.hstack(values)
+    return found
 
 
 def slow(waveform: Waveform, mesh: str, time: Array) -> Array:

@@ -166,6 +166,11 @@ def hover(
     fig.add_tools(HoverTool(renderers=list(renderers), tooltips=list(tooltips), mode=mode, line_policy="nearest"))
 
 
+def level(fig: figure, values: npt.NDArray[np.float32]) -> None:
+    """Let a line that never changes be seen as one: the axis then spans its value and a tenth to both sides."""
+    fig.y_range.default_span = 0.2 * max(abs(float(np.nanmean(values))), 1e-3)
+
+
 def padded(values: Array, least: float = 1e-3) -> Range1d:
     """A range that holds all values with some room on both sides, `least` where they are all the same."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
