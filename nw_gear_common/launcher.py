@@ -33,9 +33,13 @@ def _leave_with_signal(number: int, _frame: FrameType | None) -> None:
     os._exit(128 + number)
 
 
-def _run_node(name: str) -> int:
-    # The monitor's matrices are small: more threads only burn processor time that the integration needs.
+def _use_one_thread_for_matrices() -> None:
+    """Matrices are small here: more threads only burn processor time that the integration needs."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def _run_node(name: str) -> int:
+    _use_one_thread_for_matrices()
     for number in SIGNALS:
         signal.signal(number, _leave_with_zero)
     return int(importlib.import_module(NODES[name]).main(sys.argv))
@@ -68,6 +72,7 @@ def replay_node() -> int:
 
 def nw_gear() -> int:
     """Run the command line."""
+    _use_one_thread_for_matrices()
     for number in SIGNALS:
         signal.signal(number, _leave_with_signal)
     return int(importlib.import_module("nw_gear_common.cli").main(sys.argv[1:]))

@@ -108,6 +108,7 @@ def _values(e: Evidence) -> dict[str, str]:
         "strongest unlisted order (1)": f"{e.unlisted_order:.5g}",
         "lines used (1)": str(e.lines),
         "speed spread (1)": f"{e.speed_spread:.4g}",
+        "fastest speed change (1/s)": f"{e.speed_rate:.4g}",
         "load spread (1)": f"{e.load_spread:.4g}",
         "deviation (m)": f"{e.deviation:.4g}",
     }

@@ -121,6 +121,7 @@ def _evidence(stage: str, explained: Explained, history: History, tests: tuple[f
         deviation=float(np.sqrt(np.mean(explained.fit.energy[channels]) / samples)),
         level=level,
         speed_spread=explained.fit.modulation.speed_spread,
+        speed_rate=explained.fit.modulation.speed_rate,
         load_spread=explained.fit.modulation.load_spread,
         lines=explained.fit.lines,
     )

@@ -18,8 +18,14 @@ IN_A_ROW = 3
 LEAST_DEVIATION = 1e-12
 LEAST_RELATIVE_DEVIATION = 1e-9
 """A standard deviation below 1 pm, or below this share of the largest value, is no vibration but rounding."""
-SPEED_LIMIT = 0.5
-"""Speed spread of the window above which no label is given."""
+SPREAD_LIMIT = 0.3
+RATE_LIMIT = 0.05
+"""Speed spread of the window, and fastest relative change (1/s), above which a large residual tells nothing of chaos.
+
+Measured on the simulated gearbox: a regular one reached rho = 0.08 in stage II when speed changed by 7 % a second across
+a weakly damped mode, and stayed under 0.03 up to 4 % a second (Weibull wind); a rattling one kept 0.27 at 3.5 % a
+second. A small residual needs no such limit: it proves itself.
+"""
 
 
 @dataclass(frozen=True)
@@ -37,6 +43,7 @@ class Evidence:
         deviation: standard deviation without trend, m.
         level: largest |x|, m.
         speed_spread, load_spread: (largest - smallest) / mean over the window.
+        speed_rate: fastest relative change of speed, 1/s.
         lines: number of lines fitted.
     """
 
@@ -51,6 +58,7 @@ class Evidence:
     deviation: float
     level: float
     speed_spread: float
+    speed_rate: float
     load_spread: float
     lines: int
 
@@ -68,9 +76,12 @@ def judge(stage: str, evidence: Evidence) -> State:
     e = evidence
     if not math.isfinite(e.rho) or e.deviation < max(LEAST_DEVIATION, LEAST_RELATIVE_DEVIATION * e.level):
         return State(names.UNKNOWN, "no vibration")
-    if e.speed_spread > SPEED_LIMIT:
-        return State(names.TRANSIENT, f"speed changed by {100 * e.speed_spread:.0f} % within {e.seconds} s")
-    return _periodic(stage, e) if e.rho < REGULAR_RHO else _irregular(e)
+    if e.rho < REGULAR_RHO:
+        return _periodic(stage, e)
+    if e.speed_spread > SPREAD_LIMIT or e.speed_rate > RATE_LIMIT:
+        change = f"{100 * e.speed_spread:.0f} % within {e.seconds} s, up to {100 * e.speed_rate:.1f} % a second"
+        return State(names.TRANSIENT, f"speed changed by {change}, too much to judge the residual")
+    return _irregular(e)
 
 
 def _irregular(e: Evidence) -> State:

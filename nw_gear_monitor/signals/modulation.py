@@ -21,6 +21,9 @@ LEAST_SPEED_SPREAD = 0.005
 LEAST_LOAD_SPREAD = 0.05
 """The same for load, of which the mean displacement of the meshes is the measure."""
 
+SECONDS_BETWEEN_NODES = 0.5 * float(NODES[-1] - NODES[0])
+"""Between the first and the last node of a second."""
+
 
 @dataclass(frozen=True, eq=False)
 class Modulation:
@@ -29,11 +32,13 @@ class Modulation:
     Attributes:
         maps: (seconds, SHAPES, functions): each second's Legendre coefficients of every function.
         speed_spread, load_spread: (largest - smallest) / mean over the window.
+        speed_rate: the fastest relative change of speed within a second, 1/s.
     """
 
     maps: Array
     speed_spread: float
     load_spread: float
+    speed_rate: float
 
     @property
     def functions(self) -> int:
@@ -57,7 +62,8 @@ def modulation(speed: Array, load: Array) -> Modulation:
     speed_spread, load_spread = spread(speed), spread(load)
     constant = speed_spread < LEAST_SPEED_SPREAD and load_spread < LEAST_LOAD_SPREAD
     maps = _constant(len(speed)) if constant else _splines(len(speed))
-    return Modulation(maps, speed_spread, load_spread)
+    within = np.ptp(speed, axis=1) / np.abs(speed.mean(axis=1))
+    return Modulation(maps, speed_spread, load_spread, float(np.max(within)) / SECONDS_BETWEEN_NODES)
 
 
 def _constant(seconds: int) -> Array:

@@ -1,0 +1,125 @@
+"""The monitor's states against the truth of the simulated gearbox, without ROS.
+
+Truth comes from the model: the rate at which two neighbouring trajectories part (negative: regular), and for period 2 the
+motion itself, compared with itself one and two mesh periods before.
+"""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+
+from nw_gear_common import names
+from nw_gear_common.tables import Table
+from nw_gear_monitor.gearing import gearing
+from nw_gear_monitor.pipeline import Pipeline
+from nw_gear_sim import config, kinematics
+from nw_gear_sim.physics.drive import Drive
+from nw_gear_sim.physics.rotor import Rotor
+from nw_gear_sim.physics.wind_weibull import WeibullWind
+from nw_gear_sim.simulation import Simulation
+
+pytestmark = pytest.mark.slow
+
+TICK = 512
+"""Samples between two changes of the drive: 0.1 s."""
+UNDECIDED = {names.UNKNOWN, names.TRANSIENT}
+
+
+def table(block):
+    columns = names.waveform_columns(())
+    return Table("sample", columns, np.column_stack([block.time, block.phase, block.x, block.v]))
+
+
+def fixed(preset):
+    configuration = config.load(preset)
+    derived = kinematics.derive(configuration)
+    drive = Drive(derived.ring_speed, derived.ring_speed, derived.input_torque, derived.input_torque)
+    return configuration, drive, Simulation(configuration, drive)
+
+
+def watch(configuration, simulation, drives):
+    """Every hop of the monitor while the simulation follows the drives, and the last block."""
+    pipeline = Pipeline(gearing(configuration))
+    hops, block = [], None
+    for drive in drives:
+        block = simulation.advance(TICK, drive)
+        hops += pipeline.feed(table(block))
+    assert pipeline.continuity.gaps == pipeline.continuity.restarts == pipeline.continuity.malformed == 0
+    return hops
+
+
+def shown(hops, stage):
+    return {hop.stages[stage].state.label for hop in hops}
+
+
+def growth(simulation, drive, seconds=3.0):
+    """Mean rate (1/s) at which a trajectory displaced by about 1e-12 m parts from this one."""
+    other = copy.deepcopy(simulation)
+    other._q += 1e-12 * np.random.default_rng(0).standard_normal(other._q.size)
+    simulation.advance(TICK, drive)
+    other.advance(TICK, drive)
+    start = np.linalg.norm(other._q - simulation._q)
+    for _ in range(round(10 * seconds)):
+        simulation.advance(TICK, drive)
+        other.advance(TICK, drive)
+    return math.log(np.linalg.norm(other._q - simulation._q) / start) / seconds
+
+
+def test_rated_is_regular_in_every_stage():
+    configuration, drive, simulation = fixed("rated")
+    hops = watch(configuration, simulation, [drive] * 400)
+    assert all(shown(hops[9:], stage) == {"period-1"} for stage in names.STAGES)
+    assert growth(simulation, drive) < 0
+
+
+def test_rattling_is_chaotic():
+    configuration, drive, simulation = fixed("rattling")
+    hops = watch(configuration, simulation, [drive] * 400)
+    assert shown(hops[9:], "II") == {names.CHAOTIC}
+    assert not any(shown(hops, stage) & {"period-1", names.QUASI_PERIODIC} for stage in names.STAGES)
+    assert growth(simulation, drive, 1.0) > 5
+
+
+def test_period_two_is_found_in_stage_two_and_named_elsewhere():
+    configuration, drive, simulation = fixed("period2")
+    hops = watch(configuration, simulation, [drive] * 400)
+    assert shown(hops[9:], "II") == {"period-2"}
+    assert shown(hops[9:], "I") == shown(hops[9:], "III") == {"period-1"}
+    assert growth(simulation, drive) < 0
+    block = simulation.advance(5120, drive)
+    period = 2 * np.pi
+    phase, x = block.phase[:, 1], block.x[:, names.MESHES.index("II_1")]
+    grid = phase[0] + period * np.arange(2.0, 60.0, 0.01)
+    now, once, twice = (np.interp(grid - n * period, phase, x) for n in (0, 1, 2))
+    assert np.std(now - twice) < 0.5 * np.std(now - once)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_under_weibull_wind_stages_two_and_three_carry_a_label_for_most_of_a_minute(seed):
+    configuration = config.load(None)
+    wind = configuration.wind
+    process = WeibullWind(wind.weibull_shape, wind.weibull_scale, wind.sampling_interval, wind.correlation_time, seed)
+    rotor = Rotor(configuration.turbine, process.at(0.0))
+    simulation = Simulation(configuration, Drive(rotor.speed, rotor.speed, rotor.torque, rotor.torque))
+    hops = watch(configuration, simulation, (rotor.advance(process.at(0.1 * (i + 1)), 0.1) for i in range(600)))
+    for stage in ("II", "III"):
+        labels = [hop.stages[stage].state.label for hop in hops]
+        assert sum(label not in UNDECIDED for label in labels) >= 30
+        assert set(labels) - UNDECIDED == {"period-1"}  # nothing rattles at these loads
+
+
+def test_rattling_stays_chaotic_while_speed_and_load_change():
+    configuration, drive, simulation = fixed("rattling")
+    speed, torque = drive.speed_start, drive.torque_start
+
+    def at(time):
+        return speed * (1 + 0.05 * math.sin(2 * math.pi * time / 9)), torque * (
+            1 + 0.3 * math.sin(2 * math.pi * time / 7)
+        )
+
+    ends = [at(0.1 * i) for i in range(201)]
+    drives = [Drive(a[0], b[0], a[1], b[1]) for a, b in zip(ends, ends[1:], strict=False)]
+    hops = watch(configuration, simulation, drives)
+    assert shown(hops[9:], "II") == {names.CHAOTIC}
