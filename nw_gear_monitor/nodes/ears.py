@@ -8,6 +8,8 @@ whoever owns them takes everything that has arrived, a few times per second: the
 from __future__ import annotations
 
 import importlib
+import time
+from bisect import bisect_left
 from collections.abc import Sequence
 from typing import Any
 
@@ -37,6 +39,7 @@ class Ears:
             enable_rosout=False,
         )
         self._subscriptions: dict[str, Subscription] = {}
+        self._kept: list[Incoming] = []
 
     def listen(self, topic: str, kind: type, qos: QoSProfile) -> None:
         """Subscribe; a subscription of the same topic is replaced.
@@ -51,9 +54,14 @@ class Ears:
         except Exception as error:  # no type support for this middleware: several unrelated types
             raise InputError(f"type {kind.__name__}", "a type that can be subscribed to", str(error)) from None
 
-    def take(self) -> list[Incoming]:
-        """Everything that has arrived since the last call, the earliest first."""
-        found: list[Incoming] = []
+    def take(self, everything: bool = False) -> list[Incoming]:
+        """What has arrived since the last call, the earliest first.
+
+        What arrives during the call is kept back until the next one, so that the order holds over calls as well,
+        unless `everything` is wanted.
+        """
+        began = time.time_ns()
+        found, self._kept = self._kept, []
         for topic, subscription in self._subscriptions.items():
             with subscription.handle:
                 for _at_most in range(DEPTH):
@@ -64,6 +72,9 @@ class Ears:
                     sequence = info["publication_sequence_number"] or 0
                     found.append(Incoming(topic, info["received_timestamp"], info["source_timestamp"], sequence, data))
         found.sort(key=lambda message: message.received)
+        if not everything:
+            split = bisect_left(found, began, key=lambda message: message.received)
+            found, self._kept = found[:split], found[split:]
         return found
 
     def close(self) -> None:

@@ -127,7 +127,7 @@ class RecorderNode(Node):
             self._writer.add_metadata(NODE + self._inside(node), parameters)
 
     def _finish(self) -> None:
-        self._take()
+        self._intake.take(self._ears.take(everything=True))
         self._intake.release()
         for node in self._survey.unanswered:
             self._writer.add_metadata(NODE + self._inside(node), {UNANSWERED: "its parameter services never answered"})
