@@ -6,7 +6,7 @@ ros2 launch nw_gear replay.launch.py uri:=runs/gust rate:=2.0
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, Shutdown
 from launch.conditions import IfCondition
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
@@ -33,11 +33,13 @@ def given(name: str, kind: type) -> ParameterValue:
 
 def generate_launch_description() -> LaunchDescription:
     """Start the replay, and a monitor beside it where it is wanted; the end of the replay ends everything."""
+    audience = PythonExpression(["int('", LaunchConfiguration("monitor"), "' == 'true')"])
     replayed = {
         "uri": given("uri", str),
         "rate": given("rate", float),
         "loop": given("loop", bool),
         "start_offset": given("start_offset", float),
+        "wait_for": ParameterValue(audience, value_type=int),
     }
     monitored = {
         "config": given("config", str),

@@ -80,6 +80,7 @@ def test_the_monitor_of_a_replay_listens_to_what_is_replayed(described):
     nodes = started(described("replay.launch.py"), uri="runs/one", monitor="true", namespace="a")
     assert nodes["gear_monitor_node"]["waveform_topic"] == "/a/waveform"
     assert nodes["gear_monitor_node"]["use_sim_time"] is True
+    assert nodes["replay_node"]["wait_for"] == 1
     check_against_the_nodes(nodes)
 
 
