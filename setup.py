@@ -17,7 +17,10 @@ RUNTIME = (
     "PyYAML>=6",
     "mcap>=1.2",
     "mcap-ros2-support>=0.5",
+    "zstandard",
     "bokeh>=3.4",
+    "Jinja2",
+    "MarkupSafe",
     "typer>=0.12",
     "rich",
 )
