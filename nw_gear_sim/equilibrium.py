@@ -1,85 +1,93 @@
-"""Static equilibrium at a given torque and ring angle."""
+"""Static equilibrium: where the gearbox rests under its load, with the speed only setting phases and friction."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 
 from nw_gear_common.errors import NwGearError
 from nw_gear_common.tables import Array
-from nw_gear_sim.constants import Constants
-from nw_gear_sim.model import OBSERVED, accelerations, work_size
+from nw_gear_sim.gearbox import Gearbox
 
-TOLERANCE = 1e-2
-"""Largest force (N) that may be left on any motion."""
-MAX_STEPS = 200
-_PERTURBATION = 1e-9
+TOLERANCE = 1e-3
+"""Largest residual force accepted, N."""
+MOST_ITERATIONS = 200
+DIFFERENCE = 1e-9
+"""Step of the difference quotients, m."""
+STIFFNESS_ADDED = 1e8
+"""Stiffness to the last position with which the search begins, N/m; it fades as the residual falls."""
+
+
+class NoEquilibrium(NwGearError):
+    """The search for the static equilibrium didn't get there."""
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A state of rest.
-
-    Attributes:
-        q: displacements (m), shape (n,).
-        observed: mesh and bearing observations there.
-        residual: largest force left over (N).
-    """
+    """What `find_equilibrium` found: displacements q (m), largest residual (N), Newton iterations."""
 
     q: Array
-    observed: Array
     residual: float
+    iterations: int
 
 
-class NoEquilibrium(NwGearError):
-    """Newton's method did not come to rest."""
-
-
-def forces(c: Constants, tables: Array, q: Array, angle: float, torque: float) -> tuple[Array, Array]:
-    """Force on every motion (N) at rest, and the observations."""
-    observed, result = np.empty(OBSERVED), np.empty(len(q))
-    work = np.empty(work_size(int(c.ring[0]["segments"])))
-    accelerations(c, tables, q, np.zeros_like(q), angle, 0.0, torque, work, observed, result)
-    return result * c.mass, observed
-
-
-def stiffness(c: Constants, tables: Array, q: Array, angle: float, torque: float) -> Array:
-    """Tangent stiffness -dF/dq by central differences, shape (n, n), N/m."""
+def stiffness_matrix(forces: Callable[[Array], Array], q: Array, step: float = DIFFERENCE) -> Array:
+    """Return -d(forces)/dq (N/m) by central differences, shape (dof, dof)."""
     matrix = np.empty((len(q), len(q)))
-    for i in range(len(q)):
-        ends = []
-        for sign in (1.0, -1.0):
-            moved = q.copy()
-            moved[i] += sign * _PERTURBATION
-            ends.append(forces(c, tables, moved, angle, torque)[0])
-        matrix[:, i] = (ends[1] - ends[0]) / (2 * _PERTURBATION)
+    shifted = q.copy()
+    for k in range(len(q)):
+        shifted[k] = q[k] + step
+        above = forces(shifted)
+        shifted[k] = q[k] - step
+        matrix[:, k] = (forces(shifted) - above) / (2 * step)
+        shifted[k] = q[k]
     return matrix
 
 
-def find(c: Constants, tables: Array, angle: float, torque: float, start: Array | None = None) -> Equilibrium:
-    """Find the equilibrium by Newton's method, regularised by inertia (pseudo-transient continuation).
+def find_equilibrium(gearbox: Gearbox, torque: float, *, speed: float = 0.0, angle: float = 0.0) -> Equilibrium:
+    """Find q with no force left on any motion.
 
-    The stiffness is singular while gaps and bearings are open; adding mass / tau^2 keeps every motion bounded, and tau
-    grows as the residual falls. Friction enters with the tables' speed although nothing moves: the state about which
-    the running gearbox vibrates.
+    Args:
+        gearbox: its laws.
+        torque: input torque, N m.
+        speed: of the ring, rad/s; it sets the friction, inertia and damping don't act.
+        angle: of the ring, rad.
+
+    Newton's method with a fading stiffness to the last position, since gaps and unloaded rollers leave the stiffness
+    matrix singular; a step that makes the residual worse is repeated with more of it.
 
     Raises:
-        NoEquilibrium: the residual did not come under TOLERANCE.
+        NoEquilibrium: the largest residual stays above TOLERANCE.
     """
-    q = np.zeros(len(c.mass)) if start is None else start.copy()
-    inertia, shift = np.diag(c.mass), 1e6
-    force, observed = forces(c, tables, q, angle, torque)
-    for _ in range(MAX_STEPS):
-        residual = float(np.abs(force).max())
-        if residual < TOLERANCE:
-            return Equilibrium(q, observed, residual)
-        change = np.linalg.solve(stiffness(c, tables, q, angle, torque) + shift * inertia, force)
-        trial_force, trial_observed = forces(c, tables, q + change, angle, torque)
-        if np.linalg.norm(trial_force) < 2.0 * np.linalg.norm(force):
-            q = q + change
-            force, observed = trial_force, trial_observed
-            shift *= 0.3
-        else:
-            shift *= 10.0
-    raise NoEquilibrium(f"no static equilibrium: {residual:.3g} N left after {MAX_STEPS} steps, torque {torque:.6g} N m")
+    gearbox.set_instant(torque, speed, angle, static=True)
+    rest = np.zeros(gearbox.layout.size)
+
+    def forces(q: Array) -> Array:
+        return gearbox.forces(q, rest)
+
+    q = rest.copy()
+    residual = forces(q)
+    added = STIFFNESS_ADDED
+    size = float(np.max(np.abs(residual)))
+    iteration = 0
+    best = size
+    while best > TOLERANCE and iteration < MOST_ITERATIONS:
+        iteration += 1
+        matrix = stiffness_matrix(forces, q)
+        for _ in range(12):
+            step = scipy.linalg.solve(matrix + added * np.eye(len(q)), residual, assume_a="gen")
+            trial = forces(q + step)
+            size = float(np.max(np.abs(trial)))
+            if size < 2 * best:
+                break
+            added *= 10
+        q = q + step
+        residual = trial
+        best = size
+        added = max(added / 10, 1e-3)
+    if best > TOLERANCE:
+        raise NoEquilibrium(f"no static equilibrium found: {best:.3g} N left after {iteration} iterations")
+    return Equilibrium(q, best, iteration)

@@ -1,209 +1,329 @@
-"""The gearbox: adds the laws up to the acceleration of every motion.
+"""The right-hand side: adds up the forces of all laws, at a time, and steps through it.
 
-Every mesh is derived from one scalar elongation x_n = h(t)^T q + e, its force F acts on every coordinate as -h F:
-action and reaction, balance of moments and symmetric stiffness follow by themselves.
-
-    I    x = cos b [u_r - u_p1 + n.(X_r - X_p1)] + sin b (z_r - z_p1) + e        (the ring blended from two segments)
-    II   x = cos b [u_p2 - u_s + n.(X_p2 - X_s)] + sin b (z_p2 - z_s) + e
-    III  x = cos b [u_1 - u_2 + n.(X_1 - X_2)] + e
-    F = K(t) f(x, b) + C x'
+Everything that depends on time alone (stiffness, errors, friction shares, engaged segments, cages) is evaluated once
+per time and kept in one of three slots of `Instants`; a Runge-Kutta step needs two new ones for four evaluations.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-import numba
+import numpy as np
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.physics.bearing import roller_sum
-from nw_gear_sim.constants import Constants
-from nw_gear_sim.physics.backlash import backlash
-from nw_gear_sim.physics.ring import Record, ring_forces
+from nw_gear_sim.compiled import inlined, kernel
+from nw_gear_sim.integrator import rk4
+from nw_gear_sim.physics.bearing import BearingLaw, add_bearings, bearing_forces
+from nw_gear_sim.physics.engagement import EngagementLaw, engage
+from nw_gear_sim.physics.friction import FrictionLaw, look_up
+from nw_gear_sim.physics.mesh import Contact, Indices, MeshLaw, Rows, add_meshes, empty_rows, excite
+from nw_gear_sim.physics.ring import RingLaw, ring_forces
+from nw_gear_sim.physics.spring import SpringLaw, add_springs
 
-_FAST = {"reassoc", "contract", "nsz"}
-MESHES = 7
-BEARINGS = 10
-X, V, FORCE, BEARING = 0, MESHES, 2 * MESHES, 3 * MESHES
-OBSERVED = 3 * MESHES + 3 * BEARINGS
-"""Length of the vector of observations: x, x' and F of the meshes, then three force components of each bearing."""
-
-
-def work_size(segments: int) -> int:
-    """Length of the work space of `accelerations`."""
-    return 8 * (segments + 1)
+SLOTS = 3
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def accelerations(
-    c: Constants, tables: Array, q: Array, rate: Array, angle: float, speed: float, torque: float,
-    work: Array, observed: Array, result: Array,
+class Laws(NamedTuple):
+    """All constants of a gearbox.
+
+    Attributes:
+        ring, springs, bearings, mesh, engagement, friction: of the laws.
+        rows: of the meshes; their moving entries are set for each time.
+        weight: constant forces on the motions, N, shape (dof,); the ring's own are left to its law.
+        inverse_mass: 1/kg, shape (dof,).
+        phase_ratio: phase of each stage over the ring's angle, shape (3,).
+        output: entry of the output gear's u; output_push: force on it over the input torque, 1/m.
+        probes: entries of u of the gears whose rotation is recorded.
+    """
+
+    ring: RingLaw
+    springs: SpringLaw
+    bearings: BearingLaw
+    mesh: MeshLaw
+    engagement: EngagementLaw
+    friction: FrictionLaw
+    rows: Rows
+    weight: Array
+    inverse_mass: Array
+    phase_ratio: Array
+    output: int
+    output_push: float
+    probes: Indices
+
+
+class Instants(NamedTuple):
+    """What depends on time alone, in slots: arrays whose first axis is the slot.
+
+    Attributes:
+        turn: cosine and sine of the ring's angle; cage: of the cages' angles, (slot, bearings, 2).
+        excitation: K, e, e', g, g_1 of the meshes, (slot, 7, 5); torque: input torque, N m.
+        rows: of the meshes, one for each slot.
+    """
+
+    turn: Array
+    cage: Array
+    excitation: Array
+    torque: Array
+    rows: tuple[Rows, Rows, Rows]
+
+
+class Work(NamedTuple):
+    """Scratch memory, and what the last evaluation found.
+
+    Attributes:
+        padded: motions of the ring with neighbours at both ends; load: of the rollers.
+        housing: forces on the bearings' housings, N, (bearings, 3); contact: of the meshes.
+        slopes, q, v: of the stages of a step.
+    """
+
+    padded: Array
+    load: Array
+    housing: Array
+    contact: Contact
+    slopes: Array
+    q: Array
+    v: Array
+
+
+class Interval(NamedTuple):
+    """Drive of an interval of `duration` s, linear in between; `angle` of the ring at its start (rad)."""
+
+    angle: float
+    speed_start: float
+    speed_end: float
+    torque_start: float
+    torque_end: float
+    duration: float
+
+
+class Course(NamedTuple):
+    """What happened in the steps: arrays of shape (samples, ...) and counts of the steps, (7,).
+
+    Attributes:
+        x, rate, force: of the meshes; housing: (samples, bearings, 3).
+        twist, twist_rate: of the ring's mean (rad) and of the probes (m), and their rates, (samples, 1 + probes).
+        open, back: steps in which a mesh carried nothing, or carried on its back flanks.
+    """
+
+    x: Array
+    rate: Array
+    force: Array
+    housing: Array
+    twist: Array
+    twist_rate: Array
+    open: Array
+    back: Array
+
+
+def new_instants(laws: Laws) -> Instants:
+    """Return empty slots for a gearbox."""
+    bearings = len(laws.bearings.stiffness)
+
+    def rows() -> Rows:
+        copy = empty_rows()
+        for target, source in zip(copy, laws.rows, strict=True):
+            target[:] = source
+        return copy
+
+    return Instants(
+        turn=np.zeros((SLOTS, 2)),
+        cage=np.zeros((SLOTS, bearings, 2)),
+        excitation=np.zeros((SLOTS, 7, 5)),
+        torque=np.zeros(SLOTS),
+        rows=(rows(), rows(), rows()),
+    )
+
+
+def new_work(laws: Laws) -> Work:
+    """Return scratch memory for a gearbox."""
+    dof = len(laws.weight)
+    return Work(
+        padded=np.zeros((4, len(laws.ring.cos) + 2)),
+        load=np.zeros(len(laws.bearings.cos)),
+        housing=np.zeros((len(laws.bearings.stiffness), 3)),
+        contact=Contact(np.zeros(7), np.zeros(7), np.zeros(7), np.zeros(7)),
+        slopes=np.zeros((4, dof)),
+        q=np.zeros(dof),
+        v=np.zeros(dof),
+    )
+
+
+def new_course(laws: Laws, samples: int) -> Course:
+    """Return memory for the samples of an interval."""
+    bearings, probes = len(laws.bearings.stiffness), 1 + len(laws.probes)
+    return Course(
+        x=np.zeros((samples, 7)),
+        rate=np.zeros((samples, 7)),
+        force=np.zeros((samples, 7)),
+        housing=np.zeros((samples, bearings, 3)),
+        twist=np.zeros((samples, probes)),
+        twist_rate=np.zeros((samples, probes)),
+        open=np.zeros(7),
+        back=np.zeros(7),
+    )
+
+
+@inlined
+def set_instant(
+    laws: Laws, start: Array, end: Array, interval: Interval, elapsed: float, instants: Instants, slot: int
 ) -> None:
-    """Accelerations of all motions at one moment.
+    """Evaluate everything that depends on time alone.
 
     Args:
-        c: constants.
-        tables: friction over the mesh phase, shape (3, 2, phases + 1), see `friction.tables`.
-        q, rate: displacements (m) and rates (m/s).
-        angle, speed: of the ring, rad and rad/s.
-        torque: on the ring, N m.
-        work: space (see `work_size`).
-        observed: filled with mesh displacements, rates, forces and bearing forces (see OBSERVED).
-        result: filled with the accelerations (m/s^2).
+        laws: of the gearbox.
+        start, end: friction tables at the interval's ends.
+        interval: its drive; elapsed: time since its start, s.
+        instants: its slot `slot` is set.
     """
-    ring_forces(c.ring[0], q, rate, work, result)
-    _load_ring(c.ring[0], c.angles, c.gravity, angle, torque, result)
-    m = 4 * c.ring[0].segments
-    for i in range(len(c.weight)):
-        result[m + i] = c.weight[i]
-    result[c.output] -= torque * c.output_share
-    for i in range(len(c.spring)):
-        _spring(c.spring[i], q, rate, result)
-    for i in range(3):
-        _mesh_ring(c.ring[0], c.mesh[i], tables[0], q, rate, angle, speed, observed[i:], result)
-    for i in range(3, MESHES):
-        _mesh_wheels(c.mesh[i], tables[1 if i < MESHES - 1 else 2], q, rate, angle, speed, observed[i:], result)
-    for i in range(BEARINGS):
-        _bearing(c.bearing[i], c.rollers, q, rate, angle, observed[BEARING + 3 * i :], result)
-    for i in range(len(result)):
-        result[i] *= c.inverse_mass[i]
+    share = elapsed / interval.duration
+    change = interval.speed_end - interval.speed_start
+    speed = interval.speed_start + change * share
+    angle = interval.angle + (interval.speed_start + 0.5 * change * share) * elapsed
+    instants.torque[slot] = interval.torque_start + (interval.torque_end - interval.torque_start) * share
+    instants.turn[slot, 0], instants.turn[slot, 1] = math.cos(angle), math.sin(angle)
+    cage_ratio = laws.bearings.cage_ratio
+    for b in range(len(cage_ratio)):
+        if b > 0 and cage_ratio[b] == cage_ratio[b - 1]:
+            instants.cage[slot, b, 0] = instants.cage[slot, b - 1, 0]
+            instants.cage[slot, b, 1] = instants.cage[slot, b - 1, 1]
+        else:
+            turned = cage_ratio[b] * angle
+            instants.cage[slot, b, 0], instants.cage[slot, b, 1] = math.cos(turned), math.sin(turned)
+    rows = instants.rows[slot]
+    engage(laws.engagement, angle, speed, rows.place, rows.normal, rows.slide, rows.roll, rows.drift)
+    _set_excitation(laws, start, end, share, angle, speed, instants.excitation[slot])
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _load_ring(r: Record, angles: Array, gravity: Array, angle: float, torque: float, force: Array) -> None:
-    """Gravity in the turning frame, and the input torque as equal tangential forces on the segments."""
-    m = r.segments
-    cos, sin = math.cos(angle), math.sin(angle)
-    gx, gy = r.mass * gravity[0], r.mass * gravity[1]
-    ax, ay = gx * cos + gy * sin, gy * cos - gx * sin
-    drive = torque / (m * r.radius)
-    radial, tangential, cosines, sines = force[:m], force[m : 2 * m], angles[0], angles[1]
-    for i in range(m):
-        radial[i] += ax * cosines[i] + ay * sines[i]
-    for i in range(m):
-        tangential[i] += ay * cosines[i] - ax * sines[i] + drive
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _spring(s: Record, q: Array, rate: Array, force: Array) -> None:
-    tension = s.stiffness * (s.scale_a * q[s.a] - s.scale_b * q[s.b])
-    tension += s.damping * (s.scale_a * rate[s.a] - s.scale_b * rate[s.b])
-    force[s.a] -= s.scale_a * tension
-    force[s.b] += s.scale_b * tension
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _excite(g: Record, table: Array, angle: float) -> tuple[float, float, float, float, float]:
-    """Stiffness (N/m), error (m), its derivative by the phase (m/rad), friction integrals g_0 and g_1 (m) of a mesh."""
-    phase = g.ratio * angle + g.offset
-    cos, sin = math.cos(phase - g.phase), math.sin(phase - g.phase)
-    stiffness = g.stiffness * (1.0 + g.variation * cos)
-    error = g.error_mean + g.error_amplitude * cos
-    turns = phase / (2.0 * math.pi)
-    count = table.shape[1] - 1
-    place = (turns - math.floor(turns)) * count
-    k = min(int(place), count - 1)
-    share = place - k
-    g0 = table[0, k] + share * (table[0, k + 1] - table[0, k])
-    g1 = table[1, k] + share * (table[1, k + 1] - table[1, k])
-    return stiffness, error, -g.error_amplitude * sin, g0, g1
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _force(g: Record, stiffness: float, x: float, v: float, observed: Array) -> tuple[float, float]:
-    """Normal force, and the size of its elastic part, on which friction acts (N)."""
-    deflection = backlash(x, g.half_backlash)
-    elastic = stiffness * deflection
-    force = elastic
-    if g.damping_in_gap or deflection != 0.0:
-        force += g.damping * v
-    observed[X] = x
-    observed[V] = v
-    observed[FORCE] = force
-    return force, abs(elastic)
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _mesh_ring(
-    r: Record, g: Record, table: Array, q: Array, rate: Array, angle: float, speed: float, observed: Array, force: Array
+@inlined
+def _set_excitation(
+    laws: Laws, start: Array, end: Array, share: float, angle: float, speed: float, excitation: Array
 ) -> None:
-    """Stage I: ring and planet; the ring's motion at the contact is blended from the two segments beside it."""
-    m = r.segments
-    stiffness, error, slope, g0, g1 = _excite(g, table, angle)
-    pitch = 2.0 * math.pi / m
-    place = (g.planet_angle - angle) / pitch
-    whole = math.floor(place)
-    share = place - whole
-    i0 = int(whole) % m
-    i1 = i0 + 1 if i0 + 1 < m else 0
-    cb, sb = g.cos_helix, g.sin_helix
-    s0, c0 = math.sin(-share * pitch - g.working_angle), math.cos(-share * pitch - g.working_angle)
-    s1, c1 = math.sin((1.0 - share) * pitch - g.working_angle), math.cos((1.0 - share) * pitch - g.working_angle)
-    p0, p1 = (r.base - r.radius * c0) / r.base, (r.base - r.radius * c1) / r.base
-    w0, w1 = 1.0 - share, share
-    d, nx, ny = g.driven, g.normal_x, g.normal_y
-    x = w0 * (cb * (s0 * q[i0] + c0 * q[m + i0] + p0 * q[2 * m + i0]) + sb * q[3 * m + i0])
-    x += w1 * (cb * (s1 * q[i1] + c1 * q[m + i1] + p1 * q[2 * m + i1]) + sb * q[3 * m + i1])
-    x += error - cb * (q[d] + nx * q[d + 1] + ny * q[d + 2]) - sb * q[d + 3]
-    v = w0 * (cb * (s0 * rate[i0] + c0 * rate[m + i0] + p0 * rate[2 * m + i0]) + sb * rate[3 * m + i0])
-    v += w1 * (cb * (s1 * rate[i1] + c1 * rate[m + i1] + p1 * rate[2 * m + i1]) + sb * rate[3 * m + i1])
-    v += slope * g.ratio * speed - cb * (rate[d] + nx * rate[d + 1] + ny * rate[d + 2]) - sb * rate[d + 3]
-    f, pressed = _force(g, stiffness, x, v, observed)
-    rub = pressed * g0 * g.friction_sign
-    moment = pressed * (g.driver_arm * g0 - g1)
-    f0, f1 = w0 * f, w1 * f
-    force[i0] += w0 * rub * c0 - cb * s0 * f0
-    force[i1] += w1 * rub * c1 - cb * s1 * f1
-    force[m + i0] += -w0 * rub * s0 - cb * c0 * f0
-    force[m + i1] += -w1 * rub * s1 - cb * c1 * f1
-    force[2 * m + i0] += w0 * (moment + rub * r.radius * s0) / r.base - cb * p0 * f0
-    force[2 * m + i1] += w1 * (moment + rub * r.radius * s1) / r.base - cb * p1 * f1
-    force[3 * m + i0] -= sb * f0
-    force[3 * m + i1] -= sb * f1
-    force[d] += cb * f - pressed * (g.driven_arm * g0 - g1) / g.driven_base
-    force[d + 1] += cb * nx * f - ny * rub
-    force[d + 2] += cb * ny * f + nx * rub
-    force[d + 3] += sb * f
+    mesh = laws.mesh
+    last = -1
+    phase, rate, cos, sin = 0.0, 0.0, 0.0, 0.0
+    for m in range(7):
+        stage = mesh.stage[m]
+        if stage != last:
+            phase, rate = laws.phase_ratio[stage] * angle, laws.phase_ratio[stage] * speed
+            cos, sin = math.cos(phase), math.sin(phase)
+            last = stage
+        excitation[m, 0], excitation[m, 1], excitation[m, 2] = excite(mesh, m, cos, sin, rate)
+        shares = look_up(start, end, share, stage, phase + mesh.phase_offset[m])
+        excitation[m, 3], excitation[m, 4] = shares
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _mesh_wheels(
-    g: Record, table: Array, q: Array, rate: Array, angle: float, speed: float, observed: Array, force: Array
-) -> None:
-    """Stages II and III: two external gears."""
-    stiffness, error, slope, g0, g1 = _excite(g, table, angle)
-    a, b, cb, sb, nx, ny = g.driver, g.driven, g.cos_helix, g.sin_helix, g.normal_x, g.normal_y
-    x = cb * (q[a] - q[b] + nx * (q[a + 1] - q[b + 1]) + ny * (q[a + 2] - q[b + 2])) + error
-    v = cb * (rate[a] - rate[b] + nx * (rate[a + 1] - rate[b + 1]) + ny * (rate[a + 2] - rate[b + 2]))
-    v += slope * g.ratio * speed
-    if g.axial:
-        x += sb * (q[a + 3] - q[b + 3])
-        v += sb * (rate[a + 3] - rate[b + 3])
-    f, pressed = _force(g, stiffness, x, v, observed)
-    rub = pressed * g0 * g.friction_sign
-    force[a] += pressed * (g.driver_arm * g0 + g1) / g.driver_base - cb * f
-    force[b] += cb * f - pressed * (g.driven_arm * g0 - g1) / g.driven_base
-    force[a + 1] += ny * rub - cb * nx * f
-    force[a + 2] -= nx * rub + cb * ny * f
-    force[b + 1] += cb * nx * f - ny * rub
-    force[b + 2] += cb * ny * f + nx * rub
-    if g.axial:
-        force[a + 3] -= sb * f
-        force[b + 3] += sb * f
+@inlined
+def accelerate(laws: Laws, instants: Instants, slot: int, q: Array, v: Array, work: Work, out: Array) -> None:
+    """Set the accelerations (m/s^2) at displacements q (m) and velocities v (m/s), all of shape (dof,)."""
+    add_forces(laws, instants, slot, q, v, work, out)
+    for i in range(len(out)):
+        out[i] *= laws.inverse_mass[i]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _bearing(b: Record, rollers: Array, q: Array, rate: Array, angle: float, observed: Array, force: Array) -> None:
-    d, cg, sg = b.first, b.cos_contact, b.sin_contact
-    cos, sin = math.cos(b.cage * angle), math.sin(b.cage * angle)
-    x, y = cg * (q[d] * cos + q[d + 1] * sin), cg * (q[d + 1] * cos - q[d] * sin)
-    z = q[d + 2] if b.axes == 3 else 0.0
-    k, n = b.kind, b.rollers
-    fx, fy, fz = roller_sum(
-        x, y, z * sg - b.clearance, rollers[0, k, :n], rollers[1, k, :n], rollers[2, k, :n], b.exponent
-    )
-    observed[0] = b.load * cg * (fx * cos - fy * sin)
-    observed[1] = b.load * cg * (fy * cos + fx * sin)
-    observed[2] = b.load * sg * fz
-    for j in range(b.axes):
-        force[d + j] -= observed[j] + b.damping * rate[d + j]
+@inlined
+def add_forces(laws: Laws, instants: Instants, slot: int, q: Array, v: Array, work: Work, out: Array) -> None:
+    """Set the generalised forces (N) on all motions."""
+    torque = instants.torque[slot]
+    ring_forces(laws.ring, instants.turn[slot], torque, q, v, work.padded, out)
+    for i in range(4 * len(laws.ring.cos), len(out)):
+        out[i] = laws.weight[i]
+    out[laws.output] += laws.output_push * torque
+    add_springs(laws.springs, q, v, out)
+    bearing_forces(laws.bearings, instants.cage[slot], q, work.load, work.housing)
+    add_bearings(laws.bearings, work.housing, v, out)
+    add_meshes(laws.mesh, instants.rows[slot], instants.excitation[slot], q, v, work.contact, out)
+
+
+@kernel
+def advance(
+    laws: Laws,
+    start: Array,
+    end: Array,
+    interval: Interval,
+    steps_per_sample: int,
+    limit: float,
+    q: Array,
+    v: Array,
+    instants: Instants,
+    work: Work,
+    course: Course,
+) -> int:
+    """Integrate over the interval and record; the state before a step is its sample.
+
+    Returns:
+        steps done: all, or fewer where a displacement left +-limit (m) or stopped being a number.
+    """
+    steps = len(course.x) * steps_per_sample
+    h = interval.duration / steps
+    now, middle, then = 0, 1, 2
+    a1, a2, a3, a4 = work.slopes[0], work.slopes[1], work.slopes[2], work.slopes[3]
+    set_instant(laws, start, end, interval, 0.0, instants, now)
+    for step in range(steps):
+        set_instant(laws, start, end, interval, (step + 0.5) * h, instants, middle)
+        set_instant(laws, start, end, interval, (step + 1) * h, instants, then)
+        accelerate(laws, instants, now, q, v, work, a1)
+        _record(laws, step, steps_per_sample, q, v, work, course)
+        rk4.second(h, q, v, a1, work.q, work.v)
+        accelerate(laws, instants, middle, work.q, work.v, work, a2)
+        rk4.third(h, q, v, a1, a2, work.q, work.v)
+        accelerate(laws, instants, middle, work.q, work.v, work, a3)
+        rk4.fourth(h, q, v, a2, a3, work.q, work.v)
+        accelerate(laws, instants, then, work.q, work.v, work, a4)
+        rk4.finish(h, q, v, a1, a2, a3, a4)
+        now, then = then, now
+        if (step + 1) % steps_per_sample == 0 and out_of_bounds(q, limit) >= 0:
+            return step + 1
+    return steps
+
+
+@kernel
+def _record(laws: Laws, step: int, steps_per_sample: int, q: Array, v: Array, work: Work, course: Course) -> None:
+    x = work.contact.x
+    for mesh in range(7):
+        backlash = laws.mesh.backlash[mesh]
+        course.open[mesh] += abs(x[mesh]) <= backlash
+        course.back[mesh] += x[mesh] < -backlash
+    if step % steps_per_sample == 0:
+        sample = step // steps_per_sample
+        for mesh in range(7):
+            course.x[sample, mesh] = x[mesh]
+            course.rate[sample, mesh] = work.contact.rate[mesh]
+            course.force[sample, mesh] = work.contact.force[mesh]
+        for b in range(len(work.housing)):
+            for axis in range(3):
+                course.housing[sample, b, axis] = work.housing[b, axis]
+        _twist(laws, q, course.twist[sample])
+        _twist(laws, v, course.twist_rate[sample])
+
+
+@kernel
+def _twist(laws: Laws, q: Array, out: Array) -> None:
+    n = len(laws.ring.cos)
+    total = 0.0
+    for i in range(n, 2 * n):
+        total += q[i]
+    out[0] = total * laws.ring.lever
+    for k in range(len(laws.probes)):
+        out[1 + k] = q[laws.probes[k]]
+
+
+@kernel
+def out_of_bounds(q: Array, limit: float) -> int:
+    """Return the first entry that isn't within +-limit, or isn't a number; -1 where all are."""
+    for i in range(len(q)):
+        if not abs(q[i]) <= limit:
+            return i
+    return -1
+
+
+@kernel
+def set_slot(laws: Laws, start: Array, end: Array, interval: Interval, elapsed: float, instants: Instants, slot: int) -> None:
+    """Do the same as `set_instant`, for callers outside of compiled code."""
+    set_instant(laws, start, end, interval, elapsed, instants, slot)
+
+
+@kernel
+def forces(laws: Laws, instants: Instants, slot: int, q: Array, v: Array, work: Work, out: Array) -> None:
+    """Do the same as `add_forces`, for callers outside of compiled code."""
+    add_forces(laws, instants, slot, q, v, work, out)

@@ -1,5 +1,258 @@
-"""The running gearbox."""
+"""The gearbox in time: from a configuration and drives to sampled motions and forces. No clock, no ROS, no threads."""
 
-from nw_gear_sim.dynamics.simulation import Block, Divergence, Simulation, compile_kernels, steps_per_sample
+from __future__ import annotations
 
-__all__ = ["Block", "Divergence", "Simulation", "compile_kernels", "steps_per_sample"]
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from nw_gear_common import names
+from nw_gear_common.errors import InputError, NwGearError
+from nw_gear_common.tables import Array
+from nw_gear_sim import config, model
+from nw_gear_sim.assembly import start_phases
+from nw_gear_sim.equilibrium import find_equilibrium
+from nw_gear_sim.gearbox import Gearbox
+from nw_gear_sim.params import Configuration
+from nw_gear_sim.physics.drive import Drive
+from nw_gear_sim.physics.friction import empty_table, fill_table
+
+STARTS = ("equilibrium", "zero")
+EXCITATIONS = ("kinematic", "tied")
+LARGEST_DISPLACEMENT = 0.1
+"""A displacement beyond this (m) means that the integration has diverged; vibrations stay below a millimetre."""
+
+
+class Divergence(NwGearError):
+    """The integration diverged.
+
+    Attributes:
+        time: seconds since the start; state: name of the motion (see `layout`); value: its displacement (m), possibly
+            nan or inf; step: number of the time step since the start.
+    """
+
+    def __init__(self, time: float, state: str, value: float, step: int) -> None:
+        super().__init__(
+            f"integration diverged at {time:.6f} s (step {step}): {state} is {value:g} m; "
+            "a smaller numerics.step may help"
+        )
+        self.time = time
+        self.state = state
+        self.value = value
+        self.step = step
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Samples of one interval, C-contiguous arrays of n rows in SI units.
+
+    Attributes:
+        time: seconds since the start, (n,).
+        phase: unwrapped mesh phase of planet 1 in stages I, II, III, 0 at tooth entry, rad, (n, 3).
+        x, v, force: elongation x_n (m), its rate (m/s) and mesh force (N) in the order of names.MESHES, (n, 7).
+        bearing_force: x, y, z of the force on the housings in the order of names.BEARINGS, N, (n, 10, 3).
+        shaft_angle, shaft_speed, shaft_torque: unwrapped rotation (rad), rad/s and torque carried (N m) of ring
+            (mean), planet 1, sun, output shaft, each positive in its own sense of rotation and power flow, (n, 4).
+        open_fraction: share of the steps in which a mesh carried nothing, (7,).
+        back_fraction: share of the steps in which it carried on its back flanks, (7,).
+    """
+
+    time: Array
+    phase: Array
+    x: Array
+    v: Array
+    force: Array
+    bearing_force: Array
+    shaft_angle: Array
+    shaft_speed: Array
+    shaft_torque: Array
+    open_fraction: Array
+    back_fraction: Array
+
+
+class Simulation:
+    """Integrates the gearbox with steps of `numerics.step` by the classical Runge-Kutta method.
+
+    Args:
+        configuration: of the gearbox.
+        drive: at the beginning: speed_start and torque_start count.
+        start: `equilibrium`: at rest (besides the rotation) in static equilibrium; `zero`: all displacements and
+            velocities zero, as in the paper.
+        excitation: `kinematic`: each stage has its own mesh frequency; `tied`: stiffness, errors and friction of all
+            meshes run at that of stage II.
+        sample_rate: samples per second; a whole number of steps lies between samples.
+
+    Raises:
+        InputError: wrong start or excitation, or the sample rate doesn't fit the step.
+        NoEquilibrium: no static equilibrium was found.
+    """
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        drive: Drive,
+        *,
+        start: str = "equilibrium",
+        excitation: str = "kinematic",
+        sample_rate: float = 5120.0,
+    ) -> None:
+        for place, value, choices in (("start", start, STARTS), ("excitation", excitation, EXCITATIONS)):
+            if value not in choices:
+                raise InputError(place, " or ".join(choices), value)
+        self._steps_per_sample = steps_per_sample(configuration.numerics.step, sample_rate)
+        self.sample_rate = sample_rate
+        self.gearbox = Gearbox(configuration, excitation)
+        self._angle = 0.0
+        self._samples = 0
+        self._start_phase = np.array(start_phases(self.gearbox.kinematics))
+        self._readings = _Readings(configuration, self.gearbox)
+        self._table, self._next_table = empty_table(), empty_table()
+        self._table_speed = drive.speed_start
+        fill_table(self.gearbox.laws.friction, drive.speed_start, self._table)
+        size = self.gearbox.layout.size
+        self.v = np.zeros(size)
+        if start == "equilibrium":
+            self.q = find_equilibrium(self.gearbox, drive.torque_start, speed=drive.speed_start).q.copy()
+        else:
+            self.q = np.zeros(size)
+
+    @property
+    def time(self) -> float:
+        """Seconds simulated since the start."""
+        return self._samples / self.sample_rate
+
+    def advance(self, samples: int, drive: Drive) -> Block:
+        """Integrate over `samples` samples and return them; the state before the first step is the first of them.
+
+        Speed and torque run linearly over the interval, and the mesh phases are the integral of the speed. Friction is
+        interpolated linearly between the speeds at both ends.
+
+        Args:
+            samples: at least 1.
+            drive: of this interval.
+
+        Raises:
+            InputError: less than one sample.
+            Divergence: a motion left +-LARGEST_DISPLACEMENT or isn't a number; the simulation is of no use any more.
+        """
+        if samples < 1:
+            raise InputError("samples", "at least 1", str(samples))
+        self._fill_tables(drive)
+        laws = self.gearbox.laws
+        interval = model.Interval(
+            self._angle,
+            drive.speed_start,
+            drive.speed_end,
+            drive.torque_start,
+            drive.torque_end,
+            samples / self.sample_rate,
+        )
+        course = model.new_course(laws, samples)
+        steps = samples * self._steps_per_sample
+        done = model.advance(
+            laws,
+            self._table,
+            self._next_table,
+            interval,
+            self._steps_per_sample,
+            LARGEST_DISPLACEMENT,
+            self.q,
+            self.v,
+            self.gearbox.instants,
+            self.gearbox.work,
+            course,
+        )
+        if model.out_of_bounds(self.q, LARGEST_DISPLACEMENT) >= 0:
+            raise self._divergence(done)
+        block = self._block(samples, interval, course, steps)
+        self._angle += 0.5 * (drive.speed_start + drive.speed_end) * interval.duration
+        self._samples += samples
+        self._table, self._next_table = self._next_table, self._table
+        self._table_speed = drive.speed_end
+        return block
+
+    def _fill_tables(self, drive: Drive) -> None:
+        friction = self.gearbox.laws.friction
+        if drive.speed_start != self._table_speed:
+            fill_table(friction, drive.speed_start, self._table)
+        if drive.speed_end == drive.speed_start:
+            self._next_table[:] = self._table
+        else:
+            fill_table(friction, drive.speed_end, self._next_table)
+
+    def _divergence(self, done: int) -> Divergence:
+        k = int(model.out_of_bounds(self.q, LARGEST_DISPLACEMENT))
+        step = self._samples * self._steps_per_sample + done
+        time = step / (self.sample_rate * self._steps_per_sample)
+        return Divergence(time, self.gearbox.layout.name(k), float(self.q[k]), step)
+
+    def _block(self, samples: int, interval: model.Interval, course: model.Course, steps: int) -> Block:
+        index = np.arange(samples)
+        elapsed = index / self.sample_rate
+        share = index / samples
+        change = interval.speed_end - interval.speed_start
+        angle = interval.angle + (interval.speed_start + 0.5 * change * share) * elapsed
+        speed = interval.speed_start + change * share
+        torque = interval.torque_start + (interval.torque_end - interval.torque_start) * share
+        shaft_angle, shaft_speed, shaft_torque = self._readings.shafts(angle, speed, torque, course)
+        return Block(
+            time=(self._samples + index) / self.sample_rate,
+            phase=angle[:, None] * self.gearbox.laws.phase_ratio + self._start_phase,
+            x=course.x,
+            v=course.rate,
+            force=course.force,
+            bearing_force=course.housing,
+            shaft_angle=shaft_angle,
+            shaft_speed=shaft_speed,
+            shaft_torque=shaft_torque,
+            open_fraction=course.open / steps,
+            back_fraction=course.back / steps,
+        )
+
+
+class _Readings:
+    """Shaft angles, speeds and torques from the recorded rotations: ring mean, then model.Laws.probes."""
+
+    def __init__(self, configuration: Configuration, gearbox: Gearbox) -> None:
+        bodies, torsion, generator = gearbox.kinematics.bodies, configuration.torsion, configuration.generator
+        gears = (bodies.planet_1, bodies.planet_2, bodies.sun, bodies.herringbone_1, bodies.herringbone_2)
+        self._radius = np.array([1.0, *(gear.base_radius for gear in gears)])
+        self._ratio = np.array([gearbox.kinematics.shaft_ratio[shaft] for shaft in names.SHAFTS])
+        self._torsion = torsion
+        self._generator = generator
+
+    def shafts(self, angle: Array, speed: Array, torque: Array, course: model.Course) -> tuple[Array, Array, Array]:
+        """Return angle (rad), speed (rad/s) and torque (N m) of the shafts from those of the ring, each (n, 4)."""
+        twist, rate = course.twist / self._radius, course.twist_rate / self._radius
+        shown = [0, 1, 3, 5]
+        torsion, generator = self._torsion, self._generator
+        carried = np.empty((len(angle), 4))
+        carried[:, 0] = torque
+        for column, (first, second), stiffness in ((1, (1, 2), torsion.planet), (2, (3, 4), torsion.sun)):
+            bent = twist[:, first] - twist[:, second] + torsion.damping_time * (rate[:, first] - rate[:, second])
+            carried[:, column] = stiffness * bent
+        carried[:, 3] = torque / self._ratio[3] + generator.stiffness * (
+            twist[:, 5] + generator.damping_time * rate[:, 5]
+        )
+        return np.outer(angle, self._ratio) + twist[:, shown], np.outer(speed, self._ratio) + rate[:, shown], carried
+
+
+def steps_per_sample(step: float, sample_rate: float) -> int:
+    """Return how many steps (of `step` s) lie between samples (`sample_rate` Hz).
+
+    Raises:
+        InputError: not a whole number of them.
+    """
+    if not (math.isfinite(sample_rate) and sample_rate > 0):
+        raise InputError("sample_rate", "a rate above 0 Hz", f"{sample_rate:g} Hz")
+    ratio = 1.0 / (step * sample_rate)
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9 * ratio:
+        raise InputError("sample_rate", f"1 / ({step:g} s) divided by a whole number", f"{sample_rate:g} Hz")
+    return round(ratio)
+
+
+def compile_kernels() -> None:
+    """Compile everything that `Simulation` calls, or load it from numba's cache, so that later calls don't wait."""
+    drive = Drive(1.8, 1.8, 4e6, 4e6)
+    Simulation(config.load(), drive, start="zero").advance(1, drive)

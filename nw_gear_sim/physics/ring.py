@@ -17,26 +17,26 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from nw_gear_common.tables import Array
+from nw_gear_sim.compiled import fused
 
 
 class RingLaw(NamedTuple):
     """Coefficients of the ring's forces.
 
     Attributes:
-        own: joint forces of a segment by its own motion, the diagonal for (w, v, p), N/m.
-        next: (3, 3) joint forces (-w, -v, -p rows) by the motion of segment i + 1; its transpose goes with i - 1.
+        own: joint forces on (w, v, p) of a segment by its own motion, (3, 3), N/m; w is coupled to nothing else.
+        next: the same by the motion of segment i + 1; its transpose goes with segment i - 1.
         axial: k_z, N/m; damping_time: of the joints, s.
         radial_support, axial_support: N/m; radial_damping, axial_damping: N s/m.
         weight: of a segment, N; cos, sin: of the segments' angles 2 pi i / M relative to the direction of gravity.
         lever: 1 / (M r_c), tangential force on a segment over input torque.
     """
 
-    own: np.ndarray
-    next: np.ndarray
+    own: Array
+    next: Array
     axial: float
     damping_time: float
     radial_support: float
@@ -44,8 +44,8 @@ class RingLaw(NamedTuple):
     radial_damping: float
     axial_damping: float
     weight: float
-    cos: np.ndarray
-    sin: np.ndarray
+    cos: Array
+    sin: Array
     lever: float
 
 
@@ -84,7 +84,7 @@ def ring_law(
     own = here.T @ stiffness @ here + beyond.T @ stiffness @ beyond
     angles = 2 * math.pi / segments * np.arange(segments) - gravity_direction
     return RingLaw(
-        own=np.ascontiguousarray(np.diag(own)),
+        own=own,
         next=np.ascontiguousarray(here.T @ stiffness @ beyond),
         axial=joint[3],
         damping_time=damping_time,
@@ -99,7 +99,7 @@ def ring_law(
     )
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@fused
 def ring_forces(
     law: RingLaw, turn: Array, torque: float, q: Array, v: Array, padded: Array, force: Array
 ) -> None:
@@ -113,8 +113,7 @@ def ring_forces(
         padded: scratch of shape (4, M + 2).
         force: its first 4 M entries are set (N).
     """
-    cos, sin = law.cos, law.sin
-    n = len(cos)
+    n = len(law.cos)
     beta = law.damping_time
     for part in range(4):
         row = padded[part]
@@ -132,7 +131,7 @@ def ring_forces(
         axial_force[i] = k_z * (z[i] + z[i + 2] - 2.0 * z[i + 1]) - support * z_q[i] - damping * z_v[i]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@fused
 def _in_plane(
     law: RingLaw, weight_cos: float, weight_sin: float, push: float, q: Array, v: Array, padded: Array, force: Array
 ) -> None:
@@ -141,7 +140,7 @@ def _in_plane(
     w, t, p = padded[0], padded[1], padded[2]
     force_w, force_t, force_p = force[:n], force[n : 2 * n], force[2 * n : 3 * n]
     w_q, w_v = q[:n], v[:n]
-    own_w, own_t, own_p = law.own[0], law.own[1], law.own[2]
+    own_w, own_t, own_p, own_tp = law.own[0, 0], law.own[1, 1], law.own[2, 2], law.own[1, 2]
     a, b, c = law.next[0, 0], law.next[0, 1], law.next[0, 2]
     d, e, f = law.next[1, 0], law.next[1, 1], law.next[1, 2]
     g, h, k = law.next[2, 0], law.next[2, 1], law.next[2, 2]
@@ -153,8 +152,8 @@ def _in_plane(
         weight_w = weight_cos * cos[i] - weight_sin * sin[i]
         weight_t = -weight_sin * cos[i] - weight_cos * sin[i]
         joint_w = own_w * w1 + a * w2 + b * t2 + c * p2 + a * w0 + d * t0 + g * p0
-        joint_t = own_t * t1 + d * w2 + e * t2 + f * p2 + b * w0 + e * t0 + h * p0
-        joint_p = own_p * p1 + g * w2 + h * t2 + k * p2 + c * w0 + f * t0 + k * p0
+        joint_t = own_t * t1 + own_tp * p1 + d * w2 + e * t2 + f * p2 + b * w0 + e * t0 + h * p0
+        joint_p = own_p * p1 + own_tp * t1 + g * w2 + h * t2 + k * p2 + c * w0 + f * t0 + k * p0
         force_w[i] = weight_w - joint_w - support * w_q[i] - damping * w_v[i]
         force_t[i] = weight_t - joint_t + push
         force_p[i] = -joint_p

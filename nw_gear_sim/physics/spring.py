@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numba
 import numpy as np
+import numpy.typing as npt
 
 from nw_gear_common.tables import Array
+from nw_gear_sim.compiled import kernel
+
+Indices = npt.NDArray[np.int64]
 
 
 class Spring(NamedTuple):
@@ -30,12 +33,12 @@ class Spring(NamedTuple):
 class SpringLaw(NamedTuple):
     """All springs as arrays of shape (springs,), multiplied out: force on the first is -(aa q_1 - ab q_2 + ...)."""
 
-    first: np.ndarray
-    second: np.ndarray
-    aa: np.ndarray
-    ab: np.ndarray
-    bb: np.ndarray
-    damping_time: np.ndarray
+    first: Indices
+    second: Indices
+    aa: Array
+    ab: Array
+    bb: Array
+    damping_time: Array
 
 
 def spring_law(springs: Sequence[Spring]) -> SpringLaw:
@@ -54,7 +57,7 @@ def spring_law(springs: Sequence[Spring]) -> SpringLaw:
     )
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def add_springs(law: SpringLaw, q: Array, v: Array, force: Array) -> None:
     """Add the forces of all springs to `force`, displacements q (m) and velocities v (m/s), all of shape (dof,)."""
     first, second, aa, ab, bb, beta = law
