@@ -116,5 +116,5 @@ def _values(e: Evidence) -> dict[str, str]:
 
 def _bearing(bearing: str, force: BearingForce) -> Status:
     values = {"mean (N)": f"{force.mean:.6g}", "rms (N)": f"{force.rms:.6g}", "peak (N)": f"{force.peak:.6g}"}
-    reason = f"force {force.mean / 1e3:.4g} kN; bearings get no state label yet"
+    reason = f"force {force.mean / 1e3:.4g} kN; a bearing carries no state of its own"
     return Status(f"bearing {bearing}", OK, names.UNKNOWN, reason, values)

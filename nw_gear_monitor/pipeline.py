@@ -32,11 +32,11 @@ SECTION_MARGIN = 4
 class Windows:
     """Lengths of the monitor's windows; every hop is one second."""
 
-    spectrum_seconds: int = quantity(4, "window of spectra and time-domain indicators", "s", minimum=1, maximum=16)
+    spectrum_seconds: int = quantity(4, "Window of spectra and time-domain indicators.", "s", minimum=1, maximum=16)
     label_seconds: int = quantity(
-        16, "window of the state labels (from 8 s on a shorter one is used)", "s", minimum=8, maximum=64
+        16, "Window of the state labels; from 8 s on a shorter one is used.", "s", minimum=8, maximum=64
     )
-    section_phase: float = quantity(0.0, "mesh phase of the Poincaré sections", "rad", minimum=-7.0, maximum=7.0)
+    section_phase: float = quantity(0.0, "Mesh phase of the Poincaré sections.", "rad", minimum=-7.0, maximum=7.0)
 
 
 @dataclass(frozen=True)

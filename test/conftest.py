@@ -9,7 +9,7 @@ import hypothesis
 DOMAINS = range(1, 90)
 """Domains whose ports lie below those that Linux hands out by itself; the highest are left to tests that need a second."""
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the executables do, before numpy comes in
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the executables do
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ.setdefault("ROS_DOMAIN_ID", str(DOMAINS[os.getpid() % len(DOMAINS)]))
 os.environ.setdefault("ROS_LOG_DIR", str(Path(tempfile.gettempdir()) / "nw_gear_test_logs"))

@@ -1,10 +1,11 @@
 """The monitor's states against the truth of the simulated gearbox, without ROS.
 
-Truth comes from the model: the rate at which two neighbouring trajectories part (negative: regular), and for period 2 the
-motion itself, compared with itself one and two mesh periods before.
+Truth comes from the model: the rate at which two neighbouring trajectories part (negative: regular), and for period 2
+the motion itself, compared with itself one and two mesh periods before.
 """
 
 import copy
+import itertools
 import math
 
 import numpy as np
@@ -120,6 +121,6 @@ def test_rattling_stays_chaotic_while_speed_and_load_change():
         )
 
     ends = [at(0.1 * i) for i in range(201)]
-    drives = [Drive(a[0], b[0], a[1], b[1]) for a, b in zip(ends, ends[1:], strict=False)]
+    drives = [Drive(a[0], b[0], a[1], b[1]) for a, b in itertools.pairwise(ends)]
     hops = watch(configuration, simulation, drives)
     assert shown(hops[9:], "II") == {names.CHAOTIC}
