@@ -164,6 +164,44 @@ def test_friction_coefficient_without_growth_is_exact() -> None:
             assert share == pytest.approx(0.05 * (before - behind) / (before + behind), rel=1e-12)
 
 
+def ring_frequencies(reference: ReferenceModel, *, bending: bool) -> np.ndarray:
+    """Natural frequencies (Hz) of the free ring in its plane, with or without the joints' rotational springs."""
+    ring = reference.ring
+    order = {f"ring.{motion}.{i}": 3 * i + k for i in range(ring.count) for k, motion in enumerate(("w", "v", "psi"))}
+    stiffness = np.zeros((len(order), len(order)))
+    for h, k, _ in reference.springs():
+        row = np.zeros(len(order))
+        for name, c in h.items():
+            if name in order:
+                row[order[name]] = c
+        supported = np.count_nonzero(row) == 1
+        if not supported and (bending or k != ring.rotational):
+            stiffness += k * np.outer(row, row)
+    scale = np.array([reference.masses[name] for name in order]) ** -0.5
+    return np.sqrt(np.abs(np.linalg.eigvalsh(stiffness * np.outer(scale, scale)))) / (2 * math.pi)
+
+
+def test_free_ring() -> None:
+    """Three rigid motions, then the oval of a thin ring: w^2 = E I / (rho A R^4) n^2 (n^2 - 1)^2 / (n^2 + 1), n = 2."""
+    reference = model()
+    ring = reference.ring
+    frequencies = ring_frequencies(reference, bending=True)
+    assert frequencies[2] < 0.01
+    thin = math.sqrt(ring.rotational * ring.length / (ring.mass / ring.length * ring.radius**4) * 36 / 5) / (
+        2 * math.pi
+    )
+    assert frequencies[3] == pytest.approx(thin, rel=0.01)
+    assert frequencies[4] == pytest.approx(frequencies[3], rel=1e-6)
+
+
+def test_ring_of_pinned_segments_is_a_mechanism() -> None:
+    """Why the joints have a rotational spring, which the paper's don't: M motions without any restoring force."""
+    reference = model()
+    frequencies = ring_frequencies(reference, bending=False)
+    assert frequencies[reference.ring.count - 1] < 0.01
+    assert frequencies[reference.ring.count] > 100
+
+
 # --- the fast right-hand side -----------------------------------------------------------------------------------------
 
 
