@@ -152,8 +152,9 @@ class GearSimNode(Node):
         self._reports.clock(0.0)  # a jump back makes the wind start again; until then what is known of it stays valid
         if not self._wait_for_company():
             return not self._stop
-        self._session.begin(self._inflow_at(0.0) if self._session.wind_driven else None)
         self._origin = 0.0 if self._clocked else self._wall_time()
+        self._session.begin(self._inflow_at(0.0) if self._session.wind_driven else None)
+        self._origin = 0.0 if self._clocked else self._wall_time()  # finding the equilibrium took time
         self._pace = Pace(self._settings.real_time_factor, time.monotonic(), 0.0)
         self.get_logger().info(f"integrating {self._session.description}")
         limit = self._settings.duration
@@ -211,7 +212,7 @@ class GearSimNode(Node):
 
     def _inflow_at(self, moment: float) -> float:
         with self._lock:
-            return self._inflow.at(moment if self._clocked else self._wall_time() - self._inflow.delay)
+            return self._inflow.at(moment if self._clocked else self._origin + moment - self._inflow.delay)
 
     def _advance(self) -> None:
         end = self._session.time + self._session.tick

@@ -2,7 +2,7 @@
 
 Pure: samples and times come in as numbers. Two ways of keeping time with the wind exist. In *lock step* (simulated
 time) the simulator waits until the wind is known for the whole interval that it is about to integrate, which makes a
-run a function of its seed. In wall time nothing waits: the wind is taken one sample late, so that there always are two
+run a function of its seed. In wall time nothing waits: the wind is taken a little late, so that there always are two
 samples to interpolate between.
 """
 
@@ -46,10 +46,10 @@ class WindInflow:
 
     @property
     def delay(self) -> float:
-        """Interval between the last two samples (s), by which the wind is late in wall time."""
+        """Time (s) by which the wind is late in wall time: an interval of its samples and half of one for their way."""
         if len(self.times) < 2:
             return 0.0
-        return min(self.times[-1] - self.times[-2], LONGEST_DELAY)
+        return min(1.5 * (self.times[-1] - self.times[-2]), LONGEST_DELAY)
 
     def at(self, time: float) -> float:
         """Wind speed (m/s) at a time (s), interpolated linearly, held beyond both ends of what is known."""

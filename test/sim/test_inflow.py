@@ -48,7 +48,7 @@ def test_a_stamp_that_jumps_back_begins_a_new_epoch():
     assert wind.at(0.0) == 12.0
 
 
-def test_the_delay_in_wall_time_is_one_sample_interval():
+def test_in_wall_time_the_wind_is_late_by_one_and_a_half_intervals():
     assert inflow([(0.0, 8.0)]).delay == 0.0
-    assert inflow([(0.0, 8.0), (0.1, 8.0)]).delay == pytest.approx(0.1)
+    assert inflow([(0.0, 8.0), (0.1, 8.0)]).delay == pytest.approx(0.15)
     assert inflow([(0.0, 8.0), (600.0, 8.0)]).delay == 2.0
