@@ -192,16 +192,21 @@ class ReferenceModel:
         direction = math.cos(pair.base_helix) * self.normal(mesh) + axial * Z
         return along(direction, minus(*self.movements(mesh, angle, self.pitch_point(mesh))))
 
+    def peak(self, stage: Stage) -> float:
+        """Mesh phase at which the stiffness is largest."""
+        return stage.stiffness.phase + (math.pi if stage.stiffness.variation < 0 else 0.0)
+
     def phase(self, mesh: str, angle: complex) -> complex:
-        """Mesh phase, zero where a tooth enters."""
+        """Mesh phase, zero where a tooth enters; with the ring unturned planet 1 is at the largest stiffness."""
         stage = self.kinematics.stage(mesh)
         leader = self.kinematics.stage("II") if self.configuration.excitation.mode == "tied" else stage
         number = 0 if mesh == "III" else int(mesh[-1]) - 1
-        return leader.mesh_ratio * angle + stage.planet_phases[number]
+        return leader.mesh_ratio * angle + self.peak(stage) + stage.planet_phases[number]
 
     def error(self, mesh: str, angle: complex) -> complex:
+        """Transmission error, rising through its mean where the stiffness is largest."""
         stage = self.kinematics.stage(mesh)
-        wave = np.sin(self.phase(mesh, angle) - stage.stiffness.phase)
+        wave = np.sin(self.phase(mesh, angle) - self.peak(stage))
         return complex(stage.mesh.error_mean + stage.mesh.error_amplitude * wave)
 
     def mesh_state(self, mesh: str, q: Mapping[str, float], v: Mapping[str, float], now: Instant) -> MeshState:
@@ -324,21 +329,27 @@ class ReferenceModel:
 
     # --- bearings and loads -------------------------------------------------------------------------------------------
 
-    def bearing_force(self, name: str, q: Mapping[str, float], angle: float) -> np.ndarray:
-        """Force of the rollers on the housing (paper Eq 27); on the bearing's inner ring it is the opposite."""
+    def rollers(self, name: str, q: Mapping[str, float], angle: float) -> list[tuple[np.ndarray, float]]:
+        """Direction in which each roller of a bearing presses on the housing, and its load (paper Eqs 21-26)."""
         kind = bearing_kind(name)
         bearing = getattr(self.configuration.bearings, kind)
         sense = -1 if kind in {"sb", "b1"} else 1
         shift = np.array([q.get(f"{name}.{axis}", 0.0) for axis in "xyz"])
-        force = np.zeros(3)
+        out = []
         for i in range(bearing.rollers):
             place = 2 * math.pi * i / bearing.rollers + sense * self.kinematics.cage_ratio[kind] * angle
             axis = math.cos(bearing.contact_angle) * polar(place)[0] + math.sin(bearing.contact_angle) * Z
-            squeeze = axis @ shift - bearing.clearance
-            if squeeze > 0:
-                load = self.kinematics.roller_stiffness[kind] * squeeze**self.configuration.bearings.exponent
-                force += load * axis
-        return force
+            squeeze = max(float(axis @ shift) - bearing.clearance, 0.0)
+            out.append((axis, self.kinematics.roller_stiffness[kind] * squeeze**self.configuration.bearings.exponent))
+        return out
+
+    def bearing_force(self, name: str, q: Mapping[str, float], angle: float) -> np.ndarray:
+        """Force of the rollers on the housing (paper Eq 27); on the bearing's moving ring it is the opposite."""
+        return sum((load * axis for axis, load in self.rollers(name, q, angle)), np.zeros(3))
+
+    def roller_loads(self, name: str, q: Mapping[str, float], angle: float) -> float:
+        """Sum of the loads of a bearing's rollers, or 1 N where all are free."""
+        return sum(load for _, load in self.rollers(name, q, angle)) or 1.0
 
     def _loads(self, now: Instant, forces: Scalars) -> None:
         gravity = self.configuration.gravity
