@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
-import dataclasses
-from typing import Any
-
 import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.tables import Array, Table
-from nw_gear_monitor.review.decimate import Band, Envelope, Tail, Waterfall
-from nw_gear_monitor.review.rundata import Gap, Span, Spectra, Waveform
+from nw_gear_monitor.review.decimate import Band, Envelope, Tail
+from nw_gear_monitor.review.rundata import Gap, Waveform
 
 TAIL_SECONDS = 4.0
 SECTION_SECONDS = 16.0
 BATCH = 256
-AFTER_END = 1.0
-"""Seconds after the last sample in which a status may still tell of the run."""
 LONGEST_HISTORY = 4000
 """Rows of indicators kept per mesh; every second one is dropped when there are more."""
 
@@ -66,7 +60,7 @@ class WaveformCollector:
         self._frequency = Envelope(names.STAGES)
         self._tail = Tail(TAIL_SECONDS)
         self._gaps: list[Gap] = []
-        self._step = np.inf
+        self._intervals = np.zeros(2)
         self.last = -np.inf
         self._count = 0
         self._shift: Array | None = None
@@ -78,10 +72,10 @@ class WaveformCollector:
         if not len(time):
             return
         if len(time) > 1:
-            self._step = min(self._step, float(np.median(np.diff(time))))
+            self._intervals += len(time) - 1, time[-1] - time[0]
             turns = (data[-1, self._phase] - data[0, self._phase]) / (2.0 * np.pi * (time[-1] - time[0]))
             self._frequency.add(time[:1], turns[None, :])
-        if np.isfinite(self.last) and time[0] - self.last > 1.5 * self._step:
+        if np.isfinite(self.last) and time[0] - self.last > 1.5 / self._rate():
             self._gaps.append(Gap(self.last, float(time[0] - self.last)))
         self.last = float(time[-1])
         x = data[:, self._x]
@@ -93,6 +87,10 @@ class WaveformCollector:
         self._count += len(time)
         self._tail.add(data)
 
+    def _rate(self) -> float:
+        """Samples per second within blocks; far more exact than a single step of stamps near the time of day."""
+        return float(self._intervals[0] / self._intervals[1]) if self._intervals[1] > 0.0 else np.inf
+
     def result(self) -> Waveform | None:
         """What was collected, None where nothing came."""
         displacement, frequency, tail = self._displacement.result(), self._frequency.result(), self._tail.result()
@@ -101,7 +99,7 @@ class WaveformCollector:
         mean = self._sums[0] / self._count
         rms = np.sqrt(np.maximum(self._sums[1] / self._count - mean**2, 0.0))
         return Waveform(
-            rate=1.0 / self._step,
+            rate=self._rate(),
             samples=self._count,
             displacement=displacement,
             bearing=self._bearing.result(),
@@ -111,59 +109,6 @@ class WaveformCollector:
             highest=dict(zip(names.MESHES, displacement.high.max(axis=0).tolist(), strict=True)),
             tail=Table(names.ROW_SAMPLE, self.columns, tail),
             gaps=tuple(self._gaps),
-        )
-
-
-class SpectraCollector:
-    """The last spectrum, the mean one, and a thinned map over time."""
-
-    def __init__(self, columns: tuple[str, ...]) -> None:
-        self.columns = columns
-        self._meshes = tuple(m for m in names.MESHES if m in columns)
-        self._of_mesh = [columns.index(m) for m in self._meshes]
-        stages = [[i for i, m in enumerate(self._meshes) if names.STAGE_OF_MESH[m] == s] for s in names.STAGES]
-        self._of_stage = stages
-        self._axis: Array = np.empty(0)
-        self._last: Array = np.empty((0, 0))
-        self._sum: Array = np.empty((0, 0))
-        self._seen: Array = np.zeros(len(self._meshes))
-        self._count = 0
-        self._map = Waterfall()
-
-    def add(self, time: float, data: Array) -> None:
-        """Take one message; a change of its axis starts over, columns of NaN (windows not filled yet) don't count."""
-        amplitude = data[:, self._of_mesh]
-        if not np.isfinite(amplitude).any():
-            return
-        if not np.array_equal(self._axis, data[:, 0]):
-            self._axis, self._sum, self._last = (
-                data[:, 0].copy(),
-                np.zeros_like(amplitude),
-                np.full_like(amplitude, np.nan),
-            )
-            self._seen, self._count, self._map = np.zeros(len(self._meshes)), 0, Waterfall()
-        filled = np.isfinite(amplitude).all(axis=0)
-        self._last[:, filled] = amplitude[:, filled]
-        self._sum[:, filled] += amplitude[:, filled]
-        self._seen += filled
-        self._count += 1
-        self._map.add(
-            time, np.stack([amplitude[:, s].max(axis=1) for s in self._of_stage if s], axis=1).astype(np.float32)
-        )
-
-    def result(self) -> Spectra | None:
-        """What was collected, None where nothing came."""
-        rows = self._map.result()
-        if rows is None:
-            return None
-        return Spectra(
-            self._axis,
-            self._meshes,
-            self._last,
-            self._sum / np.where(self._seen > 0, self._seen, np.nan),
-            rows[0],
-            rows[1],
-            self._count,
         )
 
 
@@ -189,63 +134,3 @@ class RowsCollector:
     def result(self) -> Table:
         """The rows that were kept."""
         return Table(names.ROW_ROW, self.columns, np.array(self._rows).reshape(-1, len(self.columns)))
-
-
-class TruthCollector:
-    """The last values of the simulator's truth, and the mean over the run of those that are numbers."""
-
-    def __init__(self) -> None:
-        self.message = ""
-        self.last: dict[str, str] = {}
-        self._sums: dict[str, list[float]] = {}
-
-    def add(self, status: Any) -> None:
-        """Take one DiagnosticStatus."""
-        self.message = status.message
-        self.last = {pair.key: pair.value for pair in status.values}
-        for key, value in self.last.items():
-            with contextlib.suppress(ValueError):
-                total = self._sums.setdefault(key, [0.0, 0.0])
-                total[0] += float(value)
-                total[1] += 1.0
-
-    def means(self) -> dict[str, float]:
-        """Mean of every number over all messages."""
-        return {key: total / count for key, (total, count) in self._sums.items() if count}
-
-
-class DiagnosticsCollector:
-    """Stretches of constant level and state of every status, with the reason given when they began."""
-
-    def __init__(self) -> None:
-        self._spans: dict[str, list[Span]] = {}
-        self.values: dict[str, dict[str, str]] = {}
-
-    def add(self, time: float, array: Any) -> None:
-        """Take one DiagnosticArray."""
-        for status in array.status:
-            values = {pair.key: pair.value for pair in status.values}
-            self.values[status.name] = values
-            level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
-            state = values.get("state", "")
-            reason = status.message.removeprefix(state).lstrip(": ")
-            spans = self._spans.setdefault(status.name, [])
-            begin, same = time, bool(spans) and (spans[-1].level, spans[-1].state) == (level, state)
-            if same:
-                begin, reason = spans[-1].start, spans[-1].reason
-                spans.pop()
-            elif spans:
-                before = spans[-1]
-                spans[-1] = Span(before.name, before.start, time, before.level, before.state, before.reason)
-            spans.append(Span(status.name, begin, time, level, state, reason))
-
-    def result(self, start: float, end: float) -> dict[str, tuple[Span, ...]]:
-        """The history of every status between two times (s); what was said before the run and after it is left out."""
-        found = {}
-        for name, spans in sorted(self._spans.items()):
-            kept = [span for span in spans if span.end >= start and span.start <= end + AFTER_END]
-            found[name] = tuple(
-                dataclasses.replace(span, start=max(span.start, start), end=min(span.end, end + AFTER_END))
-                for span in kept
-            )
-        return {name: spans for name, spans in found.items() if spans}

@@ -102,5 +102,5 @@ def facts(run: RunData, numbers: summary.Summary) -> list[tuple[str, str]]:
         ("Warnings", _alarms(run, numbers)),
         ("Truth", known or ("known, see below" if run.truth else "not recorded")),
         ("Software", ", ".join(f"{k} {v}" for k, v in list(summary.versions(run).items())[:4]) or "not recorded"),
-        ("Command", run.provenance.get("nw_gear.run", {}).get("command_line", "not recorded")),
+        ("Command", summary.command(run)),
     ]

@@ -166,7 +166,7 @@ def _phase(run: RunData, summary: Summary) -> Section:
         "Top: the path in the plane of displacement and velocity. Below: where it is once per mesh cycle, at a fixed "
         "mesh phase: n clusters per planet for period n, a curve for two frequencies, a scattered figure for chaos. "
         "Lines of the other stages widen a cluster into a ring, and a changing load smears it, without being chaos. "
-        "The moving mean over a second, which follows the load, is taken out."
+        "The moving mean over 0.4 s, which follows the load, is taken out."
     )
     section = Section("phase", "Phase diagrams and Poincaré sections", text)
     still = NOT_TURNING if run.waveform is not None else "The waveform was not recorded."
@@ -208,7 +208,7 @@ def _alarms(run: RunData, summary: Summary, time_range: Range1d) -> Section:
 def _truth(run: RunData) -> Section:
     section = Section("truth", "Truth of the simulator")
     if run.truth:
-        section.text = f"What the simulator knows and a monitor has to find out. {run.truth_message}".strip()
+        section.text = f"What the simulator knows and a monitor has to find out: {run.truth_message or 'as follows'}."
         section.tables += [
             table for table in (tables.contact(run), tables.truth(run)) if table is not None and table.rows
         ]

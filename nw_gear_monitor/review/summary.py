@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -181,6 +182,18 @@ def wind_source(run: RunData) -> str:
     if "seed" in values:
         parts.append(f"seed {values['seed']}")
     return ", ".join(part for part in parts if part)
+
+
+def command(run: RunData) -> str:
+    """The command that started the run: what the starter gave as provenance, else the recorder's own command line."""
+    found = run.provenance.get("nw_gear.run", {})
+    try:
+        given = json.loads(found.get("provenance", "")).get("command_line")
+    except (ValueError, AttributeError):
+        given = None
+    if isinstance(given, list):
+        return shlex.join(str(part) for part in given)
+    return given if isinstance(given, str) else found.get("command_line", "not recorded")
 
 
 def configuration(run: RunData) -> str:

@@ -27,6 +27,7 @@ nav a:hover { text-decoration: underline; }
 .missing { margin: 8px 0; padding: 8px 14px; border-left: 5px solid #8a8f98; background: var(--tint); max-width: none; }
 dl.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(310px, 1fr)); gap: 2px 28px; margin: 8px 0; }
 dl.facts div { display: flex; gap: 10px; padding: 3px 0; border-bottom: 1px solid var(--tint); }
+dl.facts div:last-child { grid-column: 1 / -1; }
 dl.facts dt { flex: 0 0 118px; color: var(--soft); }
 dl.facts dd { margin: 0; overflow-wrap: anywhere; }
 table { border-collapse: collapse; margin: 8px 0 12px; font-size: 14px; }

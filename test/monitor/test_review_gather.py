@@ -44,7 +44,7 @@ def test_duration_and_start_are_those_of_the_samples(run):
 def test_waveform_statistics_have_their_closed_form(run):
     wave = run.waveform
     assert wave.samples == SECONDS * synthetic.RATE
-    assert wave.rate == pytest.approx(synthetic.RATE, rel=1e-3)  # stamps near 1.75e9 s resolve 0.24 us
+    assert wave.rate == pytest.approx(synthetic.RATE, rel=1e-6)
     assert not wave.gaps
     for mesh in names.MESHES:
         stage = names.STAGE_OF_MESH[mesh]
@@ -146,6 +146,24 @@ def test_spectra_and_sections_are_those_that_were_published(run):
     points = run.sections["I"]
     assert set(points[:, 1]) == {1.0, 2.0, 3.0}
     assert len(points) == pytest.approx(3 * SECONDS * synthetic.FREQUENCY["I"], abs=4)
+
+
+def test_spectra_stand_at_the_time_they_were_made_for_however_late_they_came():
+    late = np.random.default_rng(1).uniform(0.0, 0.8, SECONDS + 1)
+    published = {names.SPECTRUM, names.ORDERS, *map(names.indicators_topic, names.MESHES)}
+    items = [
+        (topic, at + late[int(at - ORIGIN)] if topic in published else at, payload)
+        for topic, at, payload in synthetic.stream(SECONDS, origin=ORIGIN)
+    ]
+    run = gathered(items)
+    assert run.spectra.times - ORIGIN == pytest.approx(np.arange(1.0, SECONDS + 1.0), abs=1e-6)
+
+
+def test_the_command_is_the_one_that_started_the_run_where_it_is_known(run):
+    assert summary.command(run) == "nw_gear demo --duration 10"
+    given = {"nw_gear.run": {"command_line": "recorder_node", "provenance": '{"command_line": ["nw_gear", "a b"]}'}}
+    assert summary.command(dataclasses.replace(run, provenance=given)) == "nw_gear 'a b'"
+    assert summary.command(dataclasses.replace(run, provenance={})) == "not recorded"
 
 
 def test_without_a_monitor_nothing_is_invented():

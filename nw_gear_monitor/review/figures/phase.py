@@ -19,7 +19,7 @@ MILLI = 1e3
 CYCLES = 20
 POINTS_PER_CYCLE = 50
 """Paths are interpolated to at least so many points per mesh cycle."""
-SLOW_SECONDS = 1.0
+SLOW_SECONDS = 0.4
 """Length of the moving mean that is taken out, so that a changing load doesn't smear the figures."""
 
 
