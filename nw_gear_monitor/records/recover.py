@@ -163,7 +163,10 @@ def _examine(path: Path) -> str:
     scan = Scan(path)
     for _record in scan.records():
         pass
-    return "" if scan.finished and not scan.lost_bytes else f"{max(scan.damaged_chunks, 1)} chunks are damaged"
+    if not scan.finished:
+        return "a record has a wrong length"
+    number = scan.damaged_chunks
+    return "" if not number else "1 chunk is damaged" if number == 1 else f"{number} chunks are damaged"
 
 
 def _refuse_while_written(path: Path) -> None:
