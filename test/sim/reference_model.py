@@ -23,57 +23,18 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_sim.kinematics import PLANET_ANGLES, Stage, bearing_kind, derive
 from nw_gear_sim.params import Configuration
+from test.sim.reference_bodies import Gear, Movement, X, Y, Z, along, minus, polar, turned
+from test.sim.reference_friction import sliding_friction
 
-X, Y, Z = np.eye(3)
 TINY = 1e-40
 """Complex step: the imaginary part of f(t + i TINY) over TINY is f'(t) without any difference being taken."""
-GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 Scalars = dict[str, float]
-Movement = dict[str, np.ndarray]
-"""How far a point moves (three components) per unit of each coordinate."""
-
-
-def turned(vector: np.ndarray) -> np.ndarray:
-    """z x vector: the velocity of a point there per unit of rotation about z."""
-    return np.array([-vector[1], vector[0], 0 * vector[0]])
-
-
-def polar(angle: complex) -> tuple[np.ndarray, np.ndarray]:
-    """Radial and tangential unit vectors at an angle from the x axis."""
-    radial = np.array([np.cos(angle), np.sin(angle), 0 * angle])
-    return radial, turned(radial)
-
-
-def along(direction: np.ndarray, movement: Movement) -> dict[str, complex]:
-    return {name: complex(direction @ vector) for name, vector in movement.items()}
-
-
-def minus(first: Movement, second: Movement) -> Movement:
-    return {**first, **{name: -vector for name, vector in second.items()}}
 
 
 def backlash(x: float, b: float) -> float:
     """Paper Eq 10."""
     return x - b if x > b else x + b if x < -b else 0.0
-
-
-@dataclass(frozen=True)
-class Gear:
-    """A gear on a fixed axis: where it is, in which sense it turns (+1 counter-clockwise about z), its base radius."""
-
-    name: str
-    centre: np.ndarray
-    sense: int
-    base_radius: float
-    axial: bool = True
-
-    def movement(self, point: np.ndarray) -> Movement:
-        out = {f"{self.name}.x": X, f"{self.name}.y": Y, f"{self.name}.z": Z}
-        if not self.axial:
-            del out[f"{self.name}.z"]
-        out[f"{self.name}.u"] = self.sense / self.base_radius * turned(point - self.centre)
-        return out
 
 
 @dataclass(frozen=True)
@@ -224,44 +185,6 @@ class ReferenceModel:
         force = elastic + (stage.stiffness.damping * rate if damped else 0.0)
         return MeshState(x, rate, force, elastic, phase)
 
-    def contact_lines(self, stage: Stage, phase: float) -> list[tuple[float, float]]:
-        """Contact lines at a phase as intervals of s, the distance from the pitch point along the line of action.
-
-        A line runs over the face width b at the slope tan(beta_b), which is eps_beta p_bt along s; its front end has
-        moved by the phase over 2 pi times p_bt since the tooth entered.
-        """
-        pair = stage.pair
-        overlap = pair.overlap_ratio * pair.base_pitch
-        start = (phase / (2 * math.pi) % 1.0) * pair.base_pitch
-        lines = []
-        for tooth in range(math.ceil(pair.contact_ratio + pair.overlap_ratio) + 1):
-            front = -pair.approach + start + tooth * pair.base_pitch
-            low, high = max(front - overlap, -pair.approach), min(front, pair.recess)
-            if high > low:
-                lines.append((low, high))
-        return lines
-
-    def sliding_friction(self, stage: Stage, phase: float, speed: float) -> list[tuple[float, float]]:
-        """Points s of the contact lines and the friction there over the normal force of the whole mesh.
-
-        The normal force is spread evenly over the contact lines. Positive while the driver's flank slides inwards.
-        """
-        pair, friction = stage.pair, self.configuration.friction
-        driver = speed * stage.mesh_ratio / pair.driver.teeth
-        driven = driver * pair.speed_ratio
-        slide = abs(driven - driver) if pair.internal else driven + driver
-        lines = self.contact_lines(stage, phase)
-        total = sum(high - low for low, high in lines)
-        out = []
-        for low, high in lines:
-            cuts = [low, 0.0, high] if low < 0 < high else [low, high]
-            for start, end in pairwise(cuts):
-                for s, weight in _square_root_gauss(start, end):
-                    velocity = slide * abs(s)
-                    mu = friction.base * math.exp(-friction.decay * velocity) + friction.growth * math.sqrt(velocity)
-                    out.append((s, -math.copysign(mu, s) * weight / total))
-        return out
-
     def _mesh_forces(self, mesh: str, state: MeshState, now: Instant, forces: Scalars) -> None:
         for name, c in self.approach(mesh, now.angle).items():
             forces[name] -= c.real * state.force
@@ -269,7 +192,7 @@ class ReferenceModel:
             return
         stage, normal = self.kinematics.stage(mesh), self.normal(mesh)
         sign = -1.0 if stage.name == "II" else 1.0
-        for s, share in self.sliding_friction(stage, state.phase, now.speed):
+        for s, share in sliding_friction(self.configuration.friction, stage, state.phase, now.speed):
             point = self.pitch_point(mesh) + s * normal
             rubbing = sign * share * abs(state.elastic) * turned(normal)
             driver, driven = self.movements(mesh, now.angle, point)
@@ -388,11 +311,3 @@ class ReferenceModel:
         """Second derivative of each coordinate, m/s^2 (rad/s^2 of ring.psi)."""
         forces = self.forces(q, v, now)
         return {name: forces[name] / mass for name, mass in self.masses.items()}
-
-
-def _square_root_gauss(start: float, end: float) -> list[tuple[float, float]]:
-    """Points and weights of an integral over [start, end] on one side of 0, exact for smooth functions of sqrt|s|."""
-    sign = -1.0 if start + end < 0 else 1.0
-    low, high = sorted(math.sqrt(abs(bound)) for bound in (start, end))
-    roots = (low + high) / 2 + (high - low) / 2 * GAUSS_NODES
-    return [(sign * r * r, 2 * r * w * (high - low) / 2) for r, w in zip(roots, GAUSS_WEIGHTS, strict=True)]
