@@ -7,7 +7,7 @@ from pathlib import Path
 import hypothesis
 
 DOMAINS = range(1, 90)
-"""Domains whose ports lie below those that Linux hands out by itself; the highest are left to tests that need a second."""
+"""Domains whose ports lie below those that Linux hands out by itself; the highest are left to tests with a second."""
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the executables do
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
