@@ -23,8 +23,8 @@ RATE_LIMIT = 0.05
 """Speed spread of the window, and fastest relative change (1/s), above which a large residual tells nothing of chaos.
 
 Measured on the simulated gearbox: a regular one reached rho = 0.08 in stage II when speed changed by 7 % a second
-across a weakly damped mode, and stayed under 0.03 up to 4 % a second (Weibull wind); a rattling one kept 0.27 at 3.5 % a
-second. A small residual needs no such limit: it proves itself.
+across a weakly damped mode, and stayed under 0.03 up to 4 % a second (Weibull wind); a rattling one kept 0.27 at 3.5 %
+a second. A small residual needs no such limit: it proves itself.
 """
 
 
