@@ -93,7 +93,7 @@ def facts(run: RunData, numbers: summary.Summary) -> list[tuple[str, str]]:
         ("Duration", f"{run.duration:.2f} s"),
         ("Wind from", summary.wind_source(run)),
         ("Configuration", summary.configuration(run)),
-        ("Wind speed", summary.in_words(numbers.wind, 1.0, "m/s")),
+        ("Wind speed", summary.in_words(numbers.wind, 1.0, "m/s") + ("" if run.wind_drove else "; it didn't drive")),
         ("Input speed", summary.in_words(numbers.speed, summary.RPM, "r/min")),
         ("Input torque", summary.in_words(numbers.torque, 1e-6, "MN m", 3)),
         ("Input power", summary.in_words(numbers.power, 1e-6, "MW", 3)),

@@ -8,6 +8,7 @@ import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 
@@ -192,7 +193,7 @@ def command(run: RunData) -> str:
     except (ValueError, AttributeError):
         given = None
     if isinstance(given, list):
-        return shlex.join(str(part) for part in given)
+        return shlex.join([Path(str(given[0])).name, *map(str, given[1:])]) if given else "not recorded"
     return given if isinstance(given, str) else found.get("command_line", "not recorded")
 
 

@@ -161,7 +161,9 @@ def test_spectra_stand_at_the_time_they_were_made_for_however_late_they_came():
 
 def test_the_command_is_the_one_that_started_the_run_where_it_is_known(run):
     assert summary.command(run) == "nw_gear demo --duration 10"
-    given = {"nw_gear.run": {"command_line": "recorder_node", "provenance": '{"command_line": ["nw_gear", "a b"]}'}}
+    given = {
+        "nw_gear.run": {"command_line": "recorder_node", "provenance": '{"command_line": [".venv/bin/nw_gear", "a b"]}'}
+    }
     assert summary.command(dataclasses.replace(run, provenance=given)) == "nw_gear 'a b'"
     assert summary.command(dataclasses.replace(run, provenance={})) == "not recorded"
 
