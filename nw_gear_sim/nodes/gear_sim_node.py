@@ -57,7 +57,9 @@ class Settings:
         False, "Publish /clock from 0 on, in lock step with the wind; set by itself where real_time_factor isn't 1."
     )
     start: str = quantity(
-        "equilibrium", "State at the start: static equilibrium, or all zero as in the paper.", choices=("equilibrium", "zero")
+        "equilibrium",
+        "State at the start: static equilibrium, or all zero as in the paper.",
+        choices=("equilibrium", "zero"),
     )
     wait_for: int = quantity(0, "Subscribers of the waveform to wait for before time starts.", minimum=0, maximum=100)
     duration: float = quantity(
@@ -232,7 +234,8 @@ class GearSimNode(Node):
         slow = self._pace.too_slow(moment, simulated)
         reached = self._pace.reached()
         if slow:
-            message = f"can't keep pace: {reached:.2f} times real time reached, {self._settings.real_time_factor:g} wanted"
+            wanted = self._settings.real_time_factor
+            message = f"can't keep pace: {reached:.2f} times real time reached, {wanted:g} wanted"
         else:
             message = "paused" if self._paused.is_set() else "integrating"
         if slow and not self._warned:
@@ -256,4 +259,3 @@ class GearSimNode(Node):
 def main(argv: Sequence[str]) -> int:
     """Run the node until it is asked to stop, `duration` is over or the integration fails."""
     return run("gear_sim_node", lambda stop: make_node(GearSimNode, "gear_sim_node", stop=stop), argv)
-

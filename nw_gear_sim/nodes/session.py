@@ -37,13 +37,14 @@ class Session:
             raise InputError(
                 "parameter sample_rate", f"a multiple of {names.WAVEFORM_BLOCKS_PER_SECOND} Hz", f"{sample_rate:g} Hz"
             )
-        steps_per_sample(sample_rate, configuration.numerics.step)
+        steps_per_sample(configuration.numerics.step, sample_rate)
         self.rows = int(rows)
-        divisors = [d for d in range(1, self.rows + 1) if self.rows % d == 0 and self.rows / d <= LONGEST_TICK * sample_rate]
+        longest = LONGEST_TICK * sample_rate
+        divisors = [d for d in range(1, self.rows + 1) if self.rows % d == 0 and self.rows / d <= longest]
         self._samples = self.rows // divisors[0] if divisors else 1
         self.tick = self._samples / sample_rate
         self._configuration = configuration
-        self._options = {"excitation": excitation, "start": start, "sample_rate": sample_rate}
+        self._excitation, self._start, self._sample_rate = excitation, start, sample_rate
         self.wind_driven = configuration.operation.drive == "wind"
         self._simulation: Simulation | None = None
         self._rotor: Rotor | None = None
@@ -62,7 +63,8 @@ class Session:
     def description(self) -> str:
         """The operating point in words."""
         how = "driven by the wind" if self.wind_driven else "at a fixed operating point"
-        return f"{how}, ring {self._drive.speed_end * 30 / math.pi:.2f} r/min, torque {self._drive.torque_end / 1e6:.3f} MN m"
+        speed, torque = self._drive.speed_end * 30.0 / math.pi, self._drive.torque_end / 1e6
+        return f"{how}, ring {speed:.2f} r/min, torque {torque:.3f} MN m"
 
     def begin(self, wind: float | None) -> None:
         """Start from the initial state, at the operating point of this wind (m/s), or of the configuration."""
@@ -74,7 +76,13 @@ class Session:
             self._rotor = Rotor(self._configuration.turbine, wind)
             self._drive = Drive(self._rotor.speed, self._rotor.speed, self._rotor.torque, self._rotor.torque)
             self._wind = wind
-        self._simulation = Simulation(self._configuration, self._drive, **self._options)
+        self._simulation = Simulation(
+            self._configuration,
+            self._drive,
+            start=self._start,
+            excitation=self._excitation,
+            sample_rate=self._sample_rate,
+        )
         self._forget_second()
 
     def advance(self, wind: float | None) -> Block:
@@ -100,7 +108,7 @@ class Session:
     def truth(self) -> dict[str, str]:
         """Ground truth since the last call: excitation and how often each mesh was open or on its back flank."""
         ticks = max(1, self._ticks)
-        values = {"excitation": str(self._options["excitation"])}
+        values = {"excitation": self._excitation}
         for mesh, share, back in zip(names.MESHES, self._open / ticks, self._back / ticks, strict=True):
             values[f"open fraction {mesh} (1)"] = f"{share:.6f}"
             values[f"back-flank fraction {mesh} (1)"] = f"{back:.6f}"

@@ -17,7 +17,12 @@ START = 180.0
 
 def demo(*arguments):
     return subprocess.run(
-        [*command("nw_gear"), "demo", *arguments], capture_output=True, text=True, timeout=START, env=environment(), check=False
+        [*command("nw_gear"), "demo", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=START,
+        env=environment(),
+        check=False,
     )
 
 
