@@ -60,7 +60,7 @@ def masses(configuration: Configuration, kinematics: Kinematics, layout: Layout)
     ring = kinematics.ring
     for motion in ("w", "v", "z"):
         mass[layout.ring(motion)] = ring.mass
-    mass[layout.ring("p")] = ring.inertia / kinematics.bodies.ring.base_radius ** 2
+    mass[layout.ring("p")] = ring.inertia / kinematics.bodies.ring.base_radius**2
     for node in layout.nodes.values():
         for k in (node.x, node.y, node.z):
             if k >= 0:
@@ -169,7 +169,7 @@ def _mesh_law(configuration: Configuration, kinematics: Kinematics) -> MeshLaw:
         error_sin=column([s.mesh.error_amplitude * math.cos(phase) for _, s, phase in meshes]),
         damping=column([s.stiffness.damping for _, s, _ in meshes]),
         backlash=column([s.mesh.backlash for _, s, _ in meshes]),
-        count=np.array([(12, 8, 6)[k] for k, _, _ in meshes]),
+        entries=np.array([(12, 8, 6)[k] for k, _, _ in meshes]),
         damping_in_gap=configuration.mesh.damping_in_gap,
     )
 
@@ -180,8 +180,8 @@ def start_phases(kinematics: Kinematics) -> tuple[float, ...]:
     Tooth entry is at phase 0, and K = K_m (1 + variation cos(phase - stiffness.phase)), where the variation may be
     negative; the position of the teeth at t = 0 is free. The transmission error rises through its mean there.
     """
-    shifts = [stage.stiffness.phase + (math.pi if stage.stiffness.variation < 0 else 0.0) for stage in kinematics.stages]
-    return tuple(math.remainder(shift, 2 * math.pi) for shift in shifts)
+    stiffness = [stage.stiffness for stage in kinematics.stages]
+    return tuple(math.remainder(s.phase + (math.pi if s.variation < 0 else 0.0), 2 * math.pi) for s in stiffness)
 
 
 def _swing(stage: Stage) -> float:

@@ -23,4 +23,4 @@ fused = numba.njit(**_OPTIONS, fastmath={"contract"})
 """The same as `kernel`, with multiplications and additions fused."""
 
 summing = numba.njit(**_OPTIONS, fastmath={"contract", "reassoc", "nsz"})
-"""The same as `fused`, with sums in any order, so that they run in parallel lanes; the order is fixed on one machine."""
+"""The same as `fused`, with sums in any order, so that they run in lanes; it is the same on one machine."""

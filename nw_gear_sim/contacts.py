@@ -45,9 +45,7 @@ def _normal(a: float, radial: tuple[float, float], b: float, tangential: tuple[f
     return a * radial[0] + b * tangential[0], a * radial[1] + b * tangential[1]
 
 
-def _fill(
-    rows: Rows, mesh: int, entry: int, stage: Stage, node: Node, n: tuple[float, float], *, driver: bool
-) -> None:
+def _fill(rows: Rows, mesh: int, entry: int, stage: Stage, node: Node, n: tuple[float, float], *, driver: bool) -> None:
     """Set the entries u, x, y (and z where the stage isn't a herringbone) of one gear.
 
     Moments of friction: m = rho_0 G +- G_1 with rho_0 = r_b tan a at the pitch point; with s the radius of curvature

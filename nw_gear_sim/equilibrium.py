@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,11 +13,13 @@ from nw_gear_sim.gearbox import Gearbox
 
 TOLERANCE = 1e-3
 """Largest residual force accepted, N."""
-MOST_ITERATIONS = 200
-DIFFERENCE = 1e-9
-"""Step of the difference quotients, m."""
+MOST_ITERATIONS = 300
+BACK = 0.9
+"""A step is too long where this share of the driving force points back at its end."""
 STIFFNESS_ADDED = 1e8
-"""Stiffness to the last position with which the search begins, N/m; it fades as the residual falls."""
+"""Stiffness to the last position with which the search begins, N/m; it fades."""
+LEAST_ADDED, MOST_ADDED = 1e4, 1e14
+"""Where it starts to grow again, and where growing is given up, N/m."""
 
 
 class NoEquilibrium(NwGearError):
@@ -34,19 +35,6 @@ class Equilibrium:
     iterations: int
 
 
-def stiffness_matrix(forces: Callable[[Array], Array], q: Array, step: float = DIFFERENCE) -> Array:
-    """Return -d(forces)/dq (N/m) by central differences, shape (dof, dof)."""
-    matrix = np.empty((len(q), len(q)))
-    shifted = q.copy()
-    for k in range(len(q)):
-        shifted[k] = q[k] + step
-        above = forces(shifted)
-        shifted[k] = q[k] - step
-        matrix[:, k] = (forces(shifted) - above) / (2 * step)
-        shifted[k] = q[k]
-    return matrix
-
-
 def find_equilibrium(gearbox: Gearbox, torque: float, *, speed: float = 0.0, angle: float = 0.0) -> Equilibrium:
     """Find q with no force left on any motion.
 
@@ -56,38 +44,32 @@ def find_equilibrium(gearbox: Gearbox, torque: float, *, speed: float = 0.0, ang
         speed: of the ring, rad/s; it sets the friction, inertia and damping don't act.
         angle: of the ring, rad.
 
-    Newton's method with a fading stiffness to the last position, since gaps and unloaded rollers leave the stiffness
-    matrix singular; a step that makes the residual worse is repeated with more of it.
+    Newton's method on the potential energy, which is convex (gaps, rollers and springs only ever stiffen), up to the
+    friction. Gaps and unloaded rollers leave the stiffness matrix singular, so that a stiffness to the last position is
+    added. It fades, unless a step goes so far that the force at its end points back: then it is taken again with more.
 
     Raises:
         NoEquilibrium: the largest residual stays above TOLERANCE.
     """
     gearbox.set_instant(torque, speed, angle, static=True)
     rest = np.zeros(gearbox.layout.size)
-
-    def forces(q: Array) -> Array:
-        return gearbox.forces(q, rest)
-
-    q = rest.copy()
-    residual = forces(q)
-    added = STIFFNESS_ADDED
-    size = float(np.max(np.abs(residual)))
-    iteration = 0
-    best = size
-    while best > TOLERANCE and iteration < MOST_ITERATIONS:
-        iteration += 1
-        matrix = stiffness_matrix(forces, q)
-        for _ in range(12):
-            step = scipy.linalg.solve(matrix + added * np.eye(len(q)), residual, assume_a="gen")
-            trial = forces(q + step)
-            size = float(np.max(np.abs(trial)))
-            if size < 2 * best:
+    q, added, iterations = rest.copy(), STIFFNESS_ADDED, 0
+    force = gearbox.forces(q, rest)
+    while _largest(force) > TOLERANCE:
+        if iterations == MOST_ITERATIONS:
+            left = f"{_largest(force):.3g} N left after {iterations} iterations"
+            raise NoEquilibrium(f"no static equilibrium found at {torque:g} N m: {left}")
+        iterations += 1
+        stiffness = gearbox.stiffness(q)
+        while True:
+            step = scipy.linalg.solve(stiffness + added * np.eye(len(q)), force, check_finite=False)
+            after = gearbox.forces(q + step, rest)
+            if after @ step > -BACK * (force @ step) or added > MOST_ADDED:
                 break
-            added *= 10
-        q = q + step
-        residual = trial
-        best = size
-        added = max(added / 10, 1e-3)
-    if best > TOLERANCE:
-        raise NoEquilibrium(f"no static equilibrium found: {best:.3g} N left after {iteration} iterations")
-    return Equilibrium(q, best, iteration)
+            added = 10 * max(added, LEAST_ADDED)
+        q, force, added = q + step, after, added / 10
+    return Equilibrium(q, _largest(force), iterations)
+
+
+def _largest(force: Array) -> float:
+    return float(np.max(np.abs(force)))

@@ -13,6 +13,9 @@ from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.friction import empty_table, fill_table
 from nw_gear_sim.physics.mesh import Contact
 
+DIFFERENCE = 1e-9
+"""Step of difference quotients, m or m/s."""
+
 
 class Gearbox:
     """The right-hand side with its memory.
@@ -50,6 +53,19 @@ class Gearbox:
         out = np.empty(self.layout.size)
         model.forces(self.laws, self.instants, 0, q, v, self.work, out)
         return out
+
+    def stiffness(self, q: Array, step: float = DIFFERENCE) -> Array:
+        """Return the stiffness matrix -d(forces)/dq (N/m) at q (m), at rest, by central differences of `step` (m)."""
+        return self._difference(q, np.zeros_like(q), step, False)
+
+    def damping(self, q: Array, step: float = DIFFERENCE) -> Array:
+        """Return the damping matrix -d(forces)/dv (N s/m) at q (m), at rest; forces are linear in v."""
+        return self._difference(q, np.zeros_like(q), step, True)
+
+    def _difference(self, q: Array, v: Array, step: float, by_velocity: bool) -> Array:
+        matrix = np.empty((len(q), len(q)))
+        model.difference(self.laws, self.instants, 0, q.copy(), v, self.work, step, by_velocity, matrix)
+        return matrix
 
     @property
     def contact(self) -> Contact:

@@ -16,9 +16,11 @@ from nw_gear_common import names
 RING_MOTIONS = ("w", "v", "p", "z")
 PLANETS = 3
 
-_BEARING, _GEAR = ("x", "y", "z"), ("u", "x", "y", "z")
-_PLANET = (("pb1", _BEARING), ("p1", _GEAR), ("pb2", _BEARING), ("p2", _GEAR))
-_CENTRE = (
+_Motions = tuple[str, ...]
+_BEARING: _Motions = ("x", "y", "z")
+_GEAR: _Motions = ("u", "x", "y", "z")
+_PLANET: tuple[tuple[str, _Motions], ...] = (("pb1", _BEARING), ("p1", _GEAR), ("pb2", _BEARING), ("p2", _GEAR))
+_CENTRE: tuple[tuple[str, _Motions], ...] = (
     ("s", _GEAR),
     ("sb", _BEARING),
     ("h1", _GEAR),

@@ -10,7 +10,7 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.errors import InputError, NwGearError
 from nw_gear_common.tables import Array
-from nw_gear_sim import config, model
+from nw_gear_sim import config, model, stepping
 from nw_gear_sim.assembly import start_phases
 from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.gearbox import Gearbox
@@ -148,9 +148,9 @@ class Simulation:
             drive.torque_end,
             samples / self.sample_rate,
         )
-        course = model.new_course(laws, samples)
+        course = stepping.new_course(laws, samples)
         steps = samples * self._steps_per_sample
-        done = model.advance(
+        done = stepping.advance(
             laws,
             self._table,
             self._next_table,
@@ -163,7 +163,7 @@ class Simulation:
             self.gearbox.work,
             course,
         )
-        if model.out_of_bounds(self.q, LARGEST_DISPLACEMENT) >= 0:
+        if stepping.out_of_bounds(self.q, LARGEST_DISPLACEMENT) >= 0:
             raise self._divergence(done)
         block = self._block(samples, interval, course, steps)
         self._angle += 0.5 * (drive.speed_start + drive.speed_end) * interval.duration
@@ -182,12 +182,12 @@ class Simulation:
             fill_table(friction, drive.speed_end, self._next_table)
 
     def _divergence(self, done: int) -> Divergence:
-        k = int(model.out_of_bounds(self.q, LARGEST_DISPLACEMENT))
+        k = int(stepping.out_of_bounds(self.q, LARGEST_DISPLACEMENT))
         step = self._samples * self._steps_per_sample + done
         time = step / (self.sample_rate * self._steps_per_sample)
         return Divergence(time, self.gearbox.layout.name(k), float(self.q[k]), step)
 
-    def _block(self, samples: int, interval: model.Interval, course: model.Course, steps: int) -> Block:
+    def _block(self, samples: int, interval: model.Interval, course: stepping.Course, steps: int) -> Block:
         index = np.arange(samples)
         elapsed = index / self.sample_rate
         share = index / samples
@@ -222,7 +222,7 @@ class _Readings:
         self._torsion = torsion
         self._generator = generator
 
-    def shafts(self, angle: Array, speed: Array, torque: Array, course: model.Course) -> tuple[Array, Array, Array]:
+    def shafts(self, angle: Array, speed: Array, torque: Array, course: stepping.Course) -> tuple[Array, Array, Array]:
         """Return angle (rad), speed (rad/s) and torque (N m) of the shafts from those of the ring, each (n, 4)."""
         twist, rate = course.twist / self._radius, course.twist_rate / self._radius
         shown = [0, 1, 3, 5]
@@ -255,4 +255,8 @@ def steps_per_sample(step: float, sample_rate: float) -> int:
 def compile_kernels() -> None:
     """Compile everything that `Simulation` calls, or load it from numba's cache, so that later calls don't wait."""
     drive = Drive(1.8, 1.8, 4e6, 4e6)
-    Simulation(config.load(), drive, start="zero").advance(1, drive)
+    simulation = Simulation(config.load(), drive, start="zero")
+    simulation.advance(1, drive)
+    simulation.gearbox.set_instant(drive.torque_start, drive.speed_start)
+    simulation.gearbox.forces(simulation.q, simulation.v)
+    simulation.gearbox.stiffness(simulation.q)

@@ -4,9 +4,9 @@ Roller i at th_i = cage angle + 2 pi i / Z is compressed by
 
     delta_i = (x cos th_i + y sin th_i) cos g + z sin g - c
 
-and carries K delta_i^n where delta_i > 0; the housing takes F = sum K delta_i^n (cos g cos th_i, cos g sin th_i, sin g).
-First order of the paper's Eqs 22-24; no centrifugal or gyroscopic load, no slip, no tilt. The stiffness varies in
-time because the cage turns.
+and carries K delta_i^n where delta_i > 0; the housing takes the sum of K delta_i^n (cos g cos th_i, cos g sin th_i,
+sin g). First order of the paper's Eqs 22-24; no centrifugal or gyroscopic load, no slip, no tilt. The stiffness
+varies in time because the cage turns.
 """
 
 from __future__ import annotations
@@ -152,15 +152,14 @@ def add_bearings(law: BearingLaw, housing: Array, v: Array, force: Array) -> Non
 
 @fused
 def power(scale: Array, polynomial: Array, values: Array) -> None:
-    """Raise values in [0, 16) to the law's exponent, in place: the exponent's bits by table, the mantissa by polynomial.
+    """Raise values in [0, 16) to the law's exponent, in place; below 2^-60 the result is 0.
 
-    Below 2^-60 the result is 0.
+    The power of the binary exponent is looked up, that of the mantissa is a polynomial.
     """
     bits = values.view(np.int64)
-    c0, c1, c2, c3, c4, c5 = polynomial[0], polynomial[1], polynomial[2], polynomial[3], polynomial[4], polynomial[5]
-    c6, c7, c8, c9, c10, c11 = (
-        polynomial[6], polynomial[7], polynomial[8], polynomial[9], polynomial[10], polynomial[11]
-    )
+    p = polynomial
+    c0, c1, c2, c3, c4, c5 = p[0], p[1], p[2], p[3], p[4], p[5]
+    c6, c7, c8, c9, c10, c11 = p[6], p[7], p[8], p[9], p[10], p[11]
     for i in range(len(values)):
         word = bits[i]
         exponent = (word >> 52) - 1023 + 60

@@ -69,7 +69,7 @@ def fill_table(law: FrictionLaw, speed: float, table: Array) -> None:
 
 @kernel
 def friction_share(law: FrictionLaw, stage: int, phase: float, speed: float) -> tuple[float, float]:
-    """Return g and g_1 (m) of a stage (0, 1, 2) at a mesh phase in [0, 2 pi) (rad) and a ring speed (rad/s), exactly."""
+    """Return g and g_1 (m) of a stage (0, 1, 2) at a mesh phase in [0, 2 pi) (rad) and a ring speed (rad/s)."""
     pitch, overlap = law.pitch[stage], max(law.overlap[stage], LEAST_OVERLAP)
     low, high = -law.approach[stage], law.recess[stage]
     rate = law.sliding[stage] * max(0.0, speed)

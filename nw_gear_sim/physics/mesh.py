@@ -33,7 +33,7 @@ class MeshLaw(NamedTuple):
         stage: 0, 1, 2; phase_offset: what the mesh phase (0 at tooth entry) is more than psi of planet 1, rad.
         stiffness: mean K along the normal, N/m; stiffness_cos, stiffness_sin: its first harmonic, N/m.
         error_mean, error_cos, error_sin: of the transmission error, m.
-        damping: C, N s/m; backlash: b, m; count: entries used in the rows.
+        damping: C, N s/m; backlash: b, m; entries: used in the rows.
         damping_in_gap: whether C x' acts inside the gap too (paper Eq 35).
     """
 
@@ -47,7 +47,7 @@ class MeshLaw(NamedTuple):
     error_sin: Array
     damping: Array
     backlash: Array
-    count: Indices
+    entries: Indices
     damping_in_gap: bool
 
 
@@ -103,9 +103,7 @@ def excite(law: MeshLaw, mesh: int, cos: float, sin: float, rate: float) -> tupl
 
 
 @fused
-def add_meshes(
-    law: MeshLaw, rows: Rows, excitation: Array, q: Array, v: Array, contact: Contact, force: Array
-) -> None:
+def add_meshes(law: MeshLaw, rows: Rows, excitation: Array, q: Array, v: Array, contact: Contact, force: Array) -> None:
     """Find the elongations and add the forces of all meshes.
 
     Args:
@@ -118,7 +116,7 @@ def add_meshes(
     place, normal, slide, roll, drift = rows
     for mesh in range(7):
         x, rate = excitation[mesh, 1], excitation[mesh, 2]
-        count = law.count[mesh]
+        count = law.entries[mesh]
         for k in range(count):
             i = place[mesh, k]
             x += normal[mesh, k] * q[i]

@@ -100,9 +100,7 @@ def ring_law(
 
 
 @fused
-def ring_forces(
-    law: RingLaw, turn: Array, torque: float, q: Array, v: Array, padded: Array, force: Array
-) -> None:
+def ring_forces(law: RingLaw, turn: Array, torque: float, q: Array, v: Array, padded: Array, force: Array) -> None:
     """Set the forces on all segments from joints, supports, weight and input torque.
 
     Args:
