@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 
 from nw_gear_common import names
@@ -9,42 +11,16 @@ from nw_gear_common.tables import Array
 from nw_gear_monitor.review.decimate import Waterfall
 from nw_gear_monitor.review.rundata import Spectra
 
-MOST_MOMENTS = 8000
-
-
-class Moments:
-    """What time of the run it was when something was recorded: pairs of log time and stamp, thinned when too many."""
-
-    def __init__(self) -> None:
-        self._pairs: list[tuple[float, float]] = []
-        self._stride = 1
-        self._seen = 0
-
-    @property
-    def empty(self) -> bool:
-        """Whether nothing is known."""
-        return not self._pairs
-
-    def add(self, log_time: float, stamp: float) -> None:
-        """Take one pair (s)."""
-        if self._seen % self._stride == 0:
-            self._pairs.append((log_time, stamp))
-        self._seen += 1
-        if len(self._pairs) > MOST_MOMENTS:
-            self._pairs = self._pairs[::2]
-            self._stride *= 2
-
-    def at(self, log_times: Array) -> Array | None:
-        """Stamps at some log times, between those known linearly; None where nothing is known."""
-        if not self._pairs:
-            return None
-        log, stamps = np.array(sorted(self._pairs)).T
-        found: Array = np.interp(log_times, log, stamps)
-        return found
+PATIENCE = 0.5
+"""Seconds of log time within which a spectrum and the indicators of the same second are recorded."""
 
 
 class SpectraCollector:
-    """The last spectrum, the mean one, and a thinned map over the time of recording."""
+    """The last spectrum, the mean one, and a thinned map over time.
+
+    A spectrum carries no time of its own. The monitor publishes it together with indicators, which do: the two are
+    paired in the order in which they were recorded. One without a partner stands where the samples were at that moment.
+    """
 
     def __init__(self, columns: tuple[str, ...]) -> None:
         self.columns = columns
@@ -58,9 +34,17 @@ class SpectraCollector:
         self._seen: Array = np.zeros(len(self._meshes))
         self._count = 0
         self._map = Waterfall()
+        self._waiting: deque[tuple[float, float, Array]] = deque()
+        self._stamps: deque[tuple[float, float]] = deque()
 
-    def add(self, log_time: float, data: Array) -> None:
-        """Take one message; a change of its axis starts over, columns of NaN (windows not filled yet) don't count."""
+    def add(self, log_time: float, moment: float, data: Array) -> None:
+        """Take one message; a change of its axis starts over, columns of NaN (windows not filled yet) don't count.
+
+        Args:
+            log_time: when it was recorded (s).
+            moment: stamp of the newest sample at that moment (s).
+            data: the table.
+        """
         amplitude = data[:, self._of_mesh]
         if not np.isfinite(amplitude).any():
             return
@@ -76,22 +60,41 @@ class SpectraCollector:
         self._sum[:, filled] += amplitude[:, filled]
         self._seen += filled
         self._count += 1
-        self._map.add(
-            log_time, np.stack([amplitude[:, s].max(axis=1) for s in self._of_stage if s], axis=1).astype(np.float32)
-        )
+        of_stage = [amplitude[:, stage].max(axis=1) for stage in self._of_stage if stage]
+        self._forget(log_time)
+        self._waiting.append((log_time, moment, np.stack(of_stage, axis=1).astype(np.float32)))
+        self._pair()
 
-    def result(self, moments: Moments) -> Spectra | None:
-        """What was collected, None where nothing came; `moments` turns log times into times of the run."""
+    def made(self, log_time: float, stamp: float) -> None:
+        """Take the time of indicators (s) that belong to some spectrum."""
+        self._forget(log_time)
+        self._stamps.append((log_time, stamp))
+        self._pair()
+
+    def _pair(self) -> None:
+        while self._waiting and self._stamps:
+            self._map.add(self._stamps.popleft()[1], self._waiting.popleft()[2])
+
+    def _forget(self, log_time: float) -> None:
+        """Give up waiting for partners that should have come by now."""
+        while self._stamps and log_time - self._stamps[0][0] > PATIENCE:
+            self._stamps.popleft()
+        while self._waiting and log_time - self._waiting[0][0] > PATIENCE:
+            _log_time, moment, row = self._waiting.popleft()
+            self._map.add(moment, row)
+
+    def result(self) -> Spectra | None:
+        """What was collected, None where nothing came."""
+        self._forget(np.inf)
         rows = self._map.result()
         if rows is None:
             return None
-        times = moments.at(rows[0])
         return Spectra(
             self._axis,
             self._meshes,
             self._last,
             self._sum / np.where(self._seen > 0, self._seen, np.nan),
-            rows[0] if times is None else times,
+            rows[0],
             rows[1],
             self._count,
         )

@@ -6,10 +6,11 @@ import contextlib
 import dataclasses
 from typing import Any
 
-from nw_gear_monitor.review.rundata import Span
+from nw_gear_monitor.review.rundata import SILENT, Span
 
 AFTER_END = 1.0
 """Seconds after the last sample in which a status may still tell of the run."""
+AT_END = 0.1
 
 
 class TruthCollector:
@@ -33,6 +34,11 @@ class TruthCollector:
     def means(self) -> dict[str, float]:
         """Mean of every number over all messages."""
         return {key: total / count for key, (total, count) in self._sums.items() if count}
+
+
+def _last_start(span: Span, end: float) -> float:
+    """Until when a stretch may begin to belong to the run; silence that begins with its end is no fault."""
+    return end - AT_END if span.level == SILENT else end + AFTER_END
 
 
 class DiagnosticsCollector:
@@ -64,7 +70,7 @@ class DiagnosticsCollector:
         """The history of every status between two times (s); what was said before the run and after it is left out."""
         found = {}
         for name, spans in sorted(self._spans.items()):
-            kept = [span for span in spans if span.end >= start and span.start <= end + AFTER_END]
+            kept = [span for span in spans if span.end >= start and span.start <= _last_start(span, end)]
             found[name] = tuple(
                 dataclasses.replace(span, start=max(span.start, start), end=min(span.end, end + AFTER_END))
                 for span in kept

@@ -11,7 +11,7 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.tables import Table
 from nw_gear_monitor.review.collect import SECTION_SECONDS, RowsCollector, Series, WaveformCollector
-from nw_gear_monitor.review.collect_spectra import Moments, SpectraCollector
+from nw_gear_monitor.review.collect_spectra import SpectraCollector
 from nw_gear_monitor.review.collect_status import DiagnosticsCollector, TruthCollector
 from nw_gear_monitor.review.decimate import Tail
 from nw_gear_monitor.review.rundata import RunData
@@ -66,7 +66,6 @@ class Gatherer:
         self._axial = {b: Series((b,)) for b in names.BEARINGS}
         self._waveform: WaveformCollector | None = None
         self._spectra: dict[str, SpectraCollector] = {}
-        self._sampled, self._computed = Moments(), Moments()
         self._sections = {s: Tail(SECTION_SECONDS) for s in names.STAGES}
         self._rows: dict[str, RowsCollector] = {}
         self._states = DiagnosticsCollector()
@@ -113,7 +112,7 @@ class Gatherer:
     def _diagnostics(self, _log_time: float, message: Any) -> None:
         self._states.add(_stamp(message), message)
 
-    def _samples(self, log_time: float, table: Table) -> None:
+    def _samples(self, _log_time: float, table: Table) -> None:
         time = table.column("time")
         if self._waveform is not None and time[0] < self._waveform.last - BACKWARD:
             self._restarts += 1
@@ -123,13 +122,20 @@ class Gatherer:
         if time[0] > self._waveform.last:
             self._seen(float(time[0]), float(time[-1]))
             self._waveform.add(table.data)
-            self._sampled.add(log_time, float(time[-1]))
+
+    def _moment(self, log_time: float) -> float:
+        """Stamp of the newest sample, or the log time where there are none."""
+        return self._waveform.last if self._waveform is not None and np.isfinite(self._waveform.last) else log_time
 
     def _spectrum(self, log_time: float, table: Table) -> None:
-        self._spectra.setdefault(names.SPECTRUM, SpectraCollector(table.columns)).add(log_time, table.data)
+        self._spectra.setdefault(names.SPECTRUM, SpectraCollector(table.columns)).add(
+            log_time, self._moment(log_time), table.data
+        )
 
     def _orders(self, log_time: float, table: Table) -> None:
-        self._spectra.setdefault(names.ORDERS, SpectraCollector(table.columns)).add(log_time, table.data)
+        self._spectra.setdefault(names.ORDERS, SpectraCollector(table.columns)).add(
+            log_time, self._moment(log_time), table.data
+        )
 
     def _section(self, stage: str) -> Callable[[float, Table], None]:
         def take(_log_time: float, table: Table) -> None:
@@ -140,7 +146,9 @@ class Gatherer:
 
     def _indicators(self, mesh: str) -> Callable[[float, Table], None]:
         def take(log_time: float, table: Table) -> None:
-            self._computed.add(log_time, float(table.column("time")[-1]))
+            if mesh == names.MESHES[0] and np.isfinite(table.data[-1, 1:]).any():  # its window is filled: so is theirs
+                for collector in self._spectra.values():
+                    collector.made(log_time, float(table.column("time")[-1]))
             if mesh not in self._rows or self._rows[mesh].columns != table.columns:
                 self._rows[mesh] = RowsCollector(table.columns)
             self._rows[mesh].add(table.data)
@@ -172,8 +180,7 @@ class Gatherer:
             )
         start, end = (self._first, self._last) if np.isfinite(self._first) else bounds
         wave = self._waveform.result() if self._waveform is not None else None
-        moments = self._sampled if self._computed.empty else self._computed
-        spectra = {topic: collector.result(moments) for topic, collector in self._spectra.items()}
+        spectra = {topic: collector.result() for topic, collector in self._spectra.items()}
         sections = {stage: tail.result() for stage, tail in self._sections.items()}
         return RunData(
             source=source,

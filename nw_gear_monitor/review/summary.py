@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import shlex
@@ -161,7 +162,9 @@ def when(run: RunData) -> str:
     created = run.provenance.get("nw_gear.run", {}).get("created", "")
     if run.wall_time:
         return datetime.fromtimestamp(run.start, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    return f"{created or 'date not recorded'}; simulated time from {run.start:.1f} s"
+    with contextlib.suppress(ValueError):
+        created = datetime.fromisoformat(created).astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    return f"{created or 'date not recorded'} (simulated time from {run.start:.1f} s)"
 
 
 def parameters(run: RunData, node: str) -> Mapping[str, str]:

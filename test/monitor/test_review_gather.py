@@ -159,6 +159,29 @@ def test_spectra_stand_at_the_time_they_were_made_for_however_late_they_came():
     assert run.spectra.times - ORIGIN == pytest.approx(np.arange(1.0, SECONDS + 1.0), abs=1e-6)
 
 
+def test_spectra_that_were_recorded_at_once_keep_their_own_times():
+    published = {names.SPECTRUM, names.ORDERS, *map(names.indicators_topic, names.MESHES)}
+    items = [
+        (topic, max(at, 7.06) if topic in published and 4.5 < at < 7.5 else at, payload)
+        for topic, at, payload in synthetic.stream(SECONDS)
+    ]
+    assert gathered(items, origin=0.0).spectra.times == pytest.approx(np.arange(1.0, SECONDS + 1.0), abs=1e-6)
+
+
+def test_spectra_without_indicators_stand_where_the_samples_were():
+    dropped = {*map(names.indicators_topic, names.MESHES)}
+    run = gathered([item for item in synthetic.stream(SECONDS) if item[0] not in dropped], origin=0.0)
+    assert run.spectra.times == pytest.approx(np.arange(1.0, SECONDS + 1.0), abs=1e-3)
+
+
+def test_silence_that_begins_with_the_end_of_a_simulated_run_is_no_alarm():
+    items = list(synthetic.stream(2))
+    end = 2.0 - 1.0 / synthetic.RATE
+    items.append((names.DIAGNOSTICS, end, synthetic.diagnostics(end, {"I": (3, names.STALE, "no samples for 2 s")})))
+    run = gathered(items, 2, 0.0)
+    assert [span.state for span in run.stage_spans("I")] == ["period-1"]
+
+
 def test_the_command_is_the_one_that_started_the_run_where_it_is_known(run):
     assert summary.command(run) == "nw_gear demo --duration 10"
     given = {
