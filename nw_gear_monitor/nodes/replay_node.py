@@ -73,7 +73,8 @@ class ReplayNode(Node):
             raise InputError("parameter uri", "a recording", "none")
         selected = Selection(self._settings.topics, self.get_namespace())
         self._recording = Recording.open(self._settings.uri)
-        self._first = self._recording.start_ns + round(1e9 * self._settings.start_offset)
+        beginning = next((message.log_time for message in self._recording.raw()), 0)
+        self._first = beginning + round(1e9 * self._settings.start_offset)
         if self._settings.start_offset > self._recording.duration:
             expected = f"less than the recording's {self._recording.duration:.3f} s"
             raise InputError("parameter start_offset", expected, f"{self._settings.start_offset:g}")
@@ -144,8 +145,9 @@ class ReplayNode(Node):
 
     def _replay(self) -> None:
         """Publish the recording once."""
-        self._timeline.begin(self._first)
-        self._show_clock(self._first)
+        last = self._first
+        self._timeline.begin(last)
+        self._show_clock(last)
         for message in self._messages():
             if message.log_time < self._shown - BACKWARD_NS:  # the recorded clock went back: a new epoch
                 self._timeline.begin(message.log_time)
@@ -156,10 +158,11 @@ class ReplayNode(Node):
             if message.log_time - self._shown >= CLOCK_EVERY * 1e9:
                 self._show_clock(message.log_time)
             self._outlets[message.topic].publish(message.data)
-        self._show_clock(self._recording.end_ns)
+            last = message.log_time
+        self._show_clock(max(last, self._shown))
 
     def _messages(self) -> Iterator[RawMessage]:
-        return self._recording.raw(self._outlets.keys(), self._first)
+        return self._recording.raw(self._outlets.keys(), self._first if self._settings.start_offset else 0)
 
     def _wait_until(self, moment: int) -> None:
         """Wait until the timeline has come to a moment (ns), showing the clock meanwhile."""
@@ -187,9 +190,9 @@ class ReplayNode(Node):
 
 
 def profile(offers: Sequence[Qos]) -> QoSProfile:
-    """The quality of service of a publisher that stands for all publishers of a recorded topic."""
-    best_effort = any(offer.reliability == "best_effort" for offer in offers)
-    latched = bool(offers) and all(offer.durability == "transient_local" for offer in offers)
+    """The quality of service of a publisher that serves whoever was served by any of the recorded publishers."""
+    best_effort = bool(offers) and all(offer.reliability == "best_effort" for offer in offers)
+    latched = any(offer.durability == "transient_local" for offer in offers)
     depth = max((offer.depth for offer in offers), default=0) or (LATCHED_DEPTH if latched else DEPTH)
     return QoSProfile(
         depth=depth,
