@@ -12,6 +12,8 @@ from nw_gear_monitor.review.decimate import Band
 
 OK, WARN, ERROR, SILENT = 0, 1, 2, 3
 """Levels of diagnostic_msgs/DiagnosticStatus (the last is called STALE there)."""
+TURNING = 0.01
+"""Mesh frequency (Hz) under which a stage counts as standing still."""
 LEVEL_WORDS = {OK: "OK", WARN: "warning", ERROR: "error", SILENT: "stale"}
 
 

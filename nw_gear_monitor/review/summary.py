@@ -15,13 +15,11 @@ import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.tables import Array
-from nw_gear_monitor.review.rundata import LEVEL_WORDS, OK, RunData, Span
+from nw_gear_monitor.review.rundata import LEVEL_WORDS, OK, TURNING, RunData, Span
 
 RPM = 30.0 / math.pi
 SEVERITY = (names.UNKNOWN, names.STALE, "period-1", names.TRANSIENT, "period-n", names.QUASI_PERIODIC, names.CHAOTIC)
 """From least to most: what isn't known isn't worse than what is."""
-TURNING = 0.01
-"""Mesh frequency (Hz) under which a stage counts as standing still."""
 
 
 @dataclass(frozen=True)

@@ -141,6 +141,24 @@ def test_an_empty_recording_still_gives_a_page():
     assert "The wind speed was not recorded." in page.words
 
 
+def test_standstill_is_said_in_words():
+    still = [(topic, at, payload) for topic, at, payload in synthetic.stream(2, monitor=False)]
+    for topic, _at, payload in still:
+        if topic == names.WAVEFORM:
+            payload.data[:, 1:] = payload.data[0, 1:]
+    still += [(names.DIAGNOSTICS, 2.0, synthetic.diagnostics(2.0, {"II": (0, names.UNKNOWN, "not turning")}))]
+    words = Page(render(gathered(still))).words
+    assert "The gearbox stood still: there is no state to tell." in words
+    assert "there are no mesh cycles to show" in words
+
+
+def test_a_run_of_one_block_still_gives_a_page():
+    first = next(item for item in synthetic.stream(1) if item[0] == names.WAVEFORM)
+    page = Page(render(gathered([first], provenance={})))
+    assert set(ANCHORS) <= page.anchors
+    assert "256 at 5120 Hz" in page.words
+
+
 def test_a_damaged_recording_is_called_damaged():
     words = Page(render(gathered(synthetic.stream(1), complete=False))).words
     assert "damaged, read through a repaired copy" in words

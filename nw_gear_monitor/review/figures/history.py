@@ -8,7 +8,7 @@ from bokeh.plotting import figure
 
 from nw_gear_common import names
 from nw_gear_monitor.review.figures import style
-from nw_gear_monitor.review.rundata import RunData, Waveform
+from nw_gear_monitor.review.rundata import TURNING, RunData, Waveform
 
 MICRO = 1e6
 CYCLES_SHOWN = 30
@@ -57,7 +57,7 @@ def samples(run: RunData, stage: str, source: ColumnDataSource) -> figure | None
     end = run.waveform.tail.column("time")[-1] - run.start if run.waveform else 0.0
     begin = float(source.data["t"][0])
     frequency = abs(float(waveform.mesh_frequency.mean[-1, names.STAGES.index(stage)]))
-    shown = min(end - begin, CYCLES_SHOWN / frequency) if frequency > 0.0 else end - begin
+    shown = min(end - begin, CYCLES_SHOWN / frequency) if frequency > TURNING else end - begin
     meshes = names.MESHES_OF_STAGE[stage]
     visible = np.asarray(source.data["t"]) >= end - shown
     heights = np.concatenate([np.asarray(source.data[m])[visible] for m in meshes])

@@ -11,7 +11,7 @@ from bokeh.plotting import figure
 from nw_gear_common import names
 from nw_gear_common.tables import Array
 from nw_gear_monitor.review.figures import style
-from nw_gear_monitor.review.rundata import RunData, Waveform
+from nw_gear_monitor.review.rundata import TURNING, RunData, Waveform
 from nw_gear_monitor.signals.hermite import interpolate
 
 MICRO = 1e6
@@ -37,7 +37,7 @@ def paths(run: RunData, stage: str) -> dict[str, Array]:
     if waveform is None:
         return {}
     frequency = abs(float(waveform.mesh_frequency.mean[-1, names.STAGES.index(stage)]))
-    if frequency == 0.0:
+    if frequency < TURNING:
         return {}
     tail = waveform.tail
     last = tail.column("time") >= tail.column("time")[-1] - CYCLES / frequency

@@ -9,7 +9,7 @@ from bokeh.plotting import figure
 from nw_gear_common import names
 from nw_gear_monitor.review.decimate import pool
 from nw_gear_monitor.review.figures import style
-from nw_gear_monitor.review.rundata import RunData, Spectra
+from nw_gear_monitor.review.rundata import TURNING, RunData, Spectra
 
 MICRO = 1e6
 FLOOR = 1e-6
@@ -89,6 +89,8 @@ def amplitude(run: RunData, stage: str) -> figure | None:
         now = run.waveform.mesh_frequency.mean[-1]
         rows = iter((2, 3))
         for other, frequency in zip(names.STAGES, now, strict=True):
+            if abs(frequency) < TURNING:
+                continue
             own = other == stage
             lines = [
                 (float(k * abs(frequency)), f"{k if k > 1 else ''}f_{other}")
