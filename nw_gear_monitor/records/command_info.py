@@ -13,7 +13,8 @@ import typer
 if TYPE_CHECKING:
     from nw_gear_monitor.records.reader import Recording
 
-WIND_SUFFIXES = (".csv", ".tsv", ".txt")
+RECORDING_SUFFIXES = (".mcap", ".damaged", ".db3")
+WIND_SUFFIX = ".csv"
 SHORT = 100
 """Longest text of one line of provenance; longer values are cut, `--json` has them whole."""
 
@@ -26,7 +27,8 @@ def info(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
 ) -> None:
     """Say what is in a recording (topics, duration, provenance) or in a wind file (rows, gaps, mean)."""
-    if path.suffix.lower() in WIND_SUFFIXES and not path.is_dir():
+    suffix = path.suffix.lower()
+    if (suffix == WIND_SUFFIX and not path.is_dir()) or (path.is_file() and suffix not in RECORDING_SUFFIXES):
         from nw_gear_sim import windfile  # noqa: PLC0415 - only where it is asked for
 
         found = windfile.summary(path)

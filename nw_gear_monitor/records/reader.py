@@ -27,7 +27,7 @@ from nw_gear_monitor.records.files import files_of
 from nw_gear_monitor.records.mcapfile import McapFile
 from nw_gear_monitor.records.mcapfile import damage as damage_of
 from nw_gear_monitor.records.qos import Qos, from_yaml
-from nw_gear_monitor.records.recover import rescue
+from nw_gear_monitor.records.rescue import rescue
 from nw_gear_monitor.records.schema import PROVENANCE, QOS_KEY
 
 

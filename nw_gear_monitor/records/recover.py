@@ -1,54 +1,23 @@
-"""Repairs a recording whose writer was killed: whole chunks go into a new file, the index and metadata.yaml anew."""
+"""Repairs a recording whose writer was killed: new files of what is intact, the index and metadata.yaml anew."""
 
 from __future__ import annotations
 
 import contextlib
 import fcntl
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-
-from mcap.records import Channel, Message, Metadata, Schema
 
 from nw_gear_common.errors import InputError, NwGearError
 from nw_gear_monitor.records import metadata
 from nw_gear_monitor.records.files import files_of
 from nw_gear_monitor.records.mcapfile import McapFile, damage
 from nw_gear_monitor.records.qos import from_yaml
+from nw_gear_monitor.records.rescue import Rescued, rescue
 from nw_gear_monitor.records.scan import Scan
-from nw_gear_monitor.records.schema import HASH_KEY, PROVENANCE, QOS_KEY
-from nw_gear_monitor.records.writer import McapWriter
-
-RECORD = f"{PROVENANCE}recovered"
-"""Metadata record that a repaired file carries."""
+from nw_gear_monitor.records.schema import HASH_KEY, QOS_KEY
 
 DAMAGED = ".mcap.damaged"
-
-
-@dataclass(frozen=True)
-class Rescued:
-    """What came out of one damaged file.
-
-    Attributes:
-        file: its name.
-        reason: what was wrong with it.
-        messages: how many were recovered.
-        lost_bytes: bytes that held nothing usable.
-        lost_messages: messages of topics whose description was lost.
-        kept_as: name of the damaged file afterwards, empty where it was left alone.
-    """
-
-    file: str
-    reason: str
-    messages: int
-    lost_bytes: int
-    lost_messages: int = 0
-    kept_as: str = ""
-
-    def words(self) -> str:
-        """One sentence part for people."""
-        orphans = f", {self.lost_messages} messages of unknown topics left out" if self.lost_messages else ""
-        return f"{self.messages} messages recovered, {self.lost_bytes} bytes lost{orphans}"
 
 
 @dataclass(frozen=True)
@@ -97,64 +66,6 @@ def recover(folder: Path, output: Path | None = None) -> Recovery:
         raise NwGearError(f"{output or folder}: the repaired recording can't be written: {error.strerror}") from None
 
 
-def rescue(path: Path, new: Path, reason: str = "") -> Rescued:
-    """Copy whatever is intact in a damaged MCAP file into a new one, whole chunks at a time."""
-    scan = Scan(path)
-    schemas, channels = _known(path)
-    with contextlib.ExitStack() as stack:
-        stack.callback(new.unlink, missing_ok=True)
-        compression = _compression(path)
-        writer = McapWriter(new, compression)
-        stack.callback(writer.abandon)
-        numbers: dict[int, int] = {}
-        orphans = 0
-        for record in scan.records():
-            if isinstance(record, Schema):
-                schemas[record.id] = record
-            elif isinstance(record, Metadata):
-                writer.add_metadata(record.name, record.metadata)
-            else:
-                number = record.id if isinstance(record, Channel) else record.channel_id
-                if isinstance(record, Channel):
-                    channels[number] = record
-                if number not in numbers and number in channels:
-                    numbers[number] = _begin(writer, channels[number], schemas)
-                if isinstance(record, Message) and number in numbers:
-                    times = (record.log_time, record.publish_time, record.sequence)
-                    writer.write(numbers[number], record.data, *times)
-                elif isinstance(record, Message):
-                    orphans += 1
-        rescued = Rescued(path.name, reason, writer.count.messages, scan.lost_bytes, orphans)
-        noted = {"file": path.name, "reason": reason, "messages": str(rescued.messages)}
-        writer.add_metadata(RECORD, {**noted, "lost_bytes": str(rescued.lost_bytes)})
-        writer.close()
-        stack.pop_all()
-    return rescued
-
-
-def _begin(writer: McapWriter, channel: Channel, schemas: dict[int, Schema]) -> int:
-    schema = schemas.get(channel.schema_id)
-    number = writer.add_schema(schema.name, schema.encoding, schema.data) if schema else 0
-    return writer.add_channel(channel.topic, channel.message_encoding, number, channel.metadata)
-
-
-def _known(path: Path) -> tuple[dict[int, Schema], dict[int, Channel]]:
-    """Schemas and channels from the index, where a file still has one."""
-    if damage(path):
-        return {}, {}
-    with McapFile(path) as file:
-        return dict(file.summary.schemas), dict(file.summary.channels)
-
-
-def _compression(path: Path) -> str:
-    """Compression of the first intact chunk, so that the copy looks like its original."""
-    scan = Scan(path)
-    for _record in scan.records():
-        if scan.chunks:
-            break
-    return (scan.compression or "none") if scan.chunks else "zstd"
-
-
 def _examine(path: Path) -> str:
     """What is wrong with a file, its chunks included; empty where it is whole."""
     reason = damage(path)
@@ -195,14 +106,14 @@ def _in_place(folder: Path, paths: list[Path], broken: dict[Path, str]) -> Recov
     for path, reason in broken.items():
         new = folder / f".{path.name}.recovering"
         new.unlink(missing_ok=True)
-        rescued = rescue(path, new, reason)
         kept = _free_name(path)
+        rescued = replace(rescue(path, new, reason), kept_as=kept.name)
         try:
             kept.hardlink_to(path)  # at no moment is there no file of the old name
         except OSError:
             path.rename(kept)
         new.replace(path)
-        done.append(Rescued(path.name, reason, rescued.messages, rescued.lost_bytes, rescued.lost_messages, kept.name))
+        done.append(rescued)
     metadata.write(folder, describe(paths))
     return Recovery(folder, tuple(done), True)
 

@@ -132,7 +132,8 @@ class McapWriter:
         self._counts: dict[int, int] = {}
         self._schemas: dict[tuple[str, str, bytes], int] = {}
         self._stream = path.open("xb")
-        fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        with contextlib.suppress(OSError):  # some network file systems know no locks
+            fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._writer = Writer(
             self._stream,
             chunk_size=CHUNK_SIZE,

@@ -192,6 +192,25 @@ def test_a_recording_that_is_being_written_is_refused(tmp_path, killed):
     assert recover(folder).files
 
 
+def test_a_recording_in_several_files_is_repaired_and_read_as_one(tmp_path, killed):
+    """As rosbag2 splits them, numbered; the second of eleven is damaged."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for number in range(11):
+        part = write(tmp_path / f"part{number}", MESSAGES[number * 5 : number * 5 + 5]) / f"part{number}_0.mcap"
+        part.rename(folder / f"run_{number}.mcap")
+    (folder / "run_1.mcap").write_bytes(killed)
+    done = recover(folder)
+    assert [f.file for f in done.files] == ["run_1.mcap"]
+    wanted = MESSAGES[:5] + MESSAGES[:-CHUNK] + MESSAGES[10:55]
+    assert contents(folder) == [m.data for m in wanted]
+    with Reader(folder) as reader:
+        assert reader.message_count == len(wanted)
+    with Recording.open(folder) as recording:
+        assert recording.message_count == len(wanted)
+        assert recording.topics["/plan"].messages == sum(m.topic == "/plan" for m in wanted)
+
+
 def test_an_existing_output_is_refused(tmp_path, killed):
     folder = as_folder(tmp_path / "run", killed)
     with pytest.raises(InputError, match="a new folder, got one that exists"):
