@@ -116,7 +116,7 @@ def test_types_of_other_packages_latched_and_best_effort_topics_in_all_readers(f
 
 def test_killed_it_loses_at_most_the_flush_period_and_is_repaired(folder):
     """Every message carries the time at which it was sent, so that the loss can be told in seconds."""
-    with Probe() as probe, recorder(folder, "flush_period:=0.2") as process:
+    with Probe() as probe, recorder(folder, "flush_period:=0.3") as process:
         source = Source(probe, process)
         source.add(Float64MultiArray, WAVEFORM)
         source.wait()
@@ -135,8 +135,8 @@ def test_killed_it_loses_at_most_the_flush_period_and_is_repaired(folder):
     with Recording.open(folder) as recording:
         got = [tuple(t.data[0]) for _time, t in recording.tables(WAVEFORM)]
     assert [stamp for stamp, _number in got] == sent[: len(got)]
-    slack = 0.2  # until the messages were taken and the timer of a busy machine came
-    assert killed - got[-1][0] < 0.2 + slack
+    slack = 0.3  # until the messages were taken and the timer of a busy machine came
+    assert killed - got[-1][0] < 0.3 + slack
     with AnyReader([folder]) as reader:
         assert sum(1 for c, _t, _d in reader.messages() if c.topic == WAVEFORM) == len(got)
     assert node_reader(folder / "run_0.mcap")["topics"][WAVEFORM]["count"] == len(got)
