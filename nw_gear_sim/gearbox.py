@@ -14,7 +14,7 @@ from nw_gear_sim.physics.friction import empty_table, fill_table
 from nw_gear_sim.physics.mesh import Contact
 
 DIFFERENCE = 1e-9
-"""Step of difference quotients, m or m/s."""
+"""Step of difference quotients, m."""
 
 
 class Gearbox:
@@ -58,8 +58,8 @@ class Gearbox:
         """Return the stiffness matrix -d(forces)/dq (N/m) at q (m), at rest, by central differences of `step` (m)."""
         return self._difference(q, np.zeros_like(q), step, False)
 
-    def damping(self, q: Array, step: float = DIFFERENCE) -> Array:
-        """Return the damping matrix -d(forces)/dv (N s/m) at q (m), at rest; forces are linear in v."""
+    def damping(self, q: Array, step: float = 1.0) -> Array:
+        """Return the damping matrix -d(forces)/dv (N s/m) at q (m), at rest, by differences of `step` (m/s)."""
         return self._difference(q, np.zeros_like(q), step, True)
 
     def _difference(self, q: Array, v: Array, step: float, by_velocity: bool) -> Array:

