@@ -240,9 +240,9 @@ def difference(
     for k in range(len(varied)):
         kept = varied[k]
         varied[k] = kept + step
-        add_forces(laws, instants, slot, q, v, work, above)
+        forces(laws, instants, slot, q, v, work, above)
         varied[k] = kept - step
-        add_forces(laws, instants, slot, q, v, work, below)
+        forces(laws, instants, slot, q, v, work, below)
         varied[k] = kept
         for i in range(len(varied)):
             out[i, k] = (below[i] - above[i]) / (2.0 * step)

@@ -10,6 +10,7 @@ from nw_gear_common.tables import Array
 from nw_gear_sim.compiled import kernel
 from nw_gear_sim.integrator import rk4
 from nw_gear_sim.model import Instants, Interval, Laws, Work, accelerate, set_instant
+from nw_gear_sim.physics.mesh import Indices
 
 
 class Course(NamedTuple):
@@ -68,20 +69,19 @@ def advance(
     steps = len(course.x) * steps_per_sample
     h = interval.duration / steps
     now, middle, then = 0, 1, 2
-    a1, a2, a3, a4 = work.slopes[0], work.slopes[1], work.slopes[2], work.slopes[3]
-    set_instant(laws, start, end, interval, 0.0, instants, now)
     for step in range(steps):
-        set_instant(laws, start, end, interval, (step + 0.5) * h, instants, middle)
-        set_instant(laws, start, end, interval, (step + 1) * h, instants, then)
-        accelerate(laws, instants, now, q, v, work, a1)
-        _record(laws, step, steps_per_sample, q, v, work, course)
-        rk4.second(h, q, v, a1, work.q, work.v)
-        accelerate(laws, instants, middle, work.q, work.v, work, a2)
-        rk4.third(h, q, v, a1, a2, work.q, work.v)
-        accelerate(laws, instants, middle, work.q, work.v, work, a3)
-        rk4.fourth(h, q, v, a2, a3, work.q, work.v)
-        accelerate(laws, instants, then, work.q, work.v, work, a4)
-        rk4.finish(h, q, v, a1, a2, a3, a4)
+        for half in range(0 if step == 0 else 1, 3):  # loops, so that what is put in here is compiled once
+            slot = now if half == 0 else (middle if half == 1 else then)
+            set_instant(laws, start, end, interval, (step + 0.5 * half) * h, instants, slot)
+        rk4.first(q, v, work.q, work.v)
+        for stage in range(4):
+            slot = now if stage == 0 else (then if stage == 3 else middle)
+            accelerate(laws, instants, slot, work.q, work.v, work, work.slopes[stage])
+            if stage == 0:
+                _count(laws.mesh.backlash, work.contact.x, course.open, course.back)
+                if step % steps_per_sample == 0:
+                    _record(step // steps_per_sample, laws.ring.lever, laws.probes, q, v, work, course)
+            rk4.proceed(stage, h, q, v, work.slopes, work.q, work.v)
         now, then = then, now
         if (step + 1) % steps_per_sample == 0 and out_of_bounds(q, limit) >= 0:
             return step + 1
@@ -89,34 +89,34 @@ def advance(
 
 
 @kernel
-def _record(laws: Laws, step: int, steps_per_sample: int, q: Array, v: Array, work: Work, course: Course) -> None:
-    x = work.contact.x
-    for mesh in range(7):
-        backlash = laws.mesh.backlash[mesh]
-        course.open[mesh] += abs(x[mesh]) <= backlash
-        course.back[mesh] += x[mesh] < -backlash
-    if step % steps_per_sample == 0:
-        sample = step // steps_per_sample
-        for mesh in range(7):
-            course.x[sample, mesh] = x[mesh]
-            course.rate[sample, mesh] = work.contact.rate[mesh]
-            course.force[sample, mesh] = work.contact.force[mesh]
-        for b in range(len(work.housing)):
-            for axis in range(3):
-                course.housing[sample, b, axis] = work.housing[b, axis]
-        _twist(laws, q, course.twist[sample])
-        _twist(laws, v, course.twist_rate[sample])
+def _count(backlash: Array, x: Array, opened: Array, back: Array) -> None:
+    for mesh in range(len(x)):
+        opened[mesh] += abs(x[mesh]) <= backlash[mesh]
+        back[mesh] += x[mesh] < -backlash[mesh]
 
 
 @kernel
-def _twist(laws: Laws, q: Array, out: Array) -> None:
-    n = len(laws.ring.cos)
+def _record(sample: int, lever: float, probes: Indices, q: Array, v: Array, work: Work, course: Course) -> None:
+    for mesh in range(len(work.contact.x)):
+        course.x[sample, mesh] = work.contact.x[mesh]
+        course.rate[sample, mesh] = work.contact.rate[mesh]
+        course.force[sample, mesh] = work.contact.force[mesh]
+    for b in range(len(work.housing)):
+        for axis in range(3):
+            course.housing[sample, b, axis] = work.housing[b, axis]
+    segments = work.padded.shape[1] - 2
+    _twist(segments, lever, probes, q, course.twist[sample])
+    _twist(segments, lever, probes, v, course.twist_rate[sample])
+
+
+@kernel
+def _twist(segments: int, lever: float, probes: Indices, q: Array, out: Array) -> None:
     total = 0.0
-    for i in range(n, 2 * n):
+    for i in range(segments, 2 * segments):
         total += q[i]
-    out[0] = total * laws.ring.lever
-    for k in range(len(laws.probes)):
-        out[1 + k] = q[laws.probes[k]]
+    out[0] = total * lever
+    for k in range(len(probes)):
+        out[1 + k] = q[probes[k]]
 
 
 @kernel

@@ -13,14 +13,41 @@ import numpy as np
 import numpy.typing as npt
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.compiled import fused
+from nw_gear_sim.compiled import fused, kernel
 
 ORDER = 4
 
 
+@kernel
+def first(q: Array, v: Array, q1: Array, v1: Array) -> None:
+    """Set the state of the first evaluation, at t: a copy; all arrays have shape (n,)."""
+    for i in range(len(q)):
+        q1[i], v1[i] = q[i], v[i]
+
+
+@kernel
+def proceed(stage: int, h: float, q: Array, v: Array, slopes: Array, q_next: Array, v_next: Array) -> None:
+    """Go on after the evaluation `stage` (0 to 3): to the state of the next one, or after the last to t + h.
+
+    Args:
+        stage: whose slope has just been set in `slopes`, shape (4, n).
+        h: the step.
+        q, v: the state at t, advanced in place after the last stage.
+        q_next, v_next: the state of the next evaluation, set before that.
+    """
+    if stage == 0:
+        second(h, q, v, slopes[0], q_next, v_next)
+    elif stage == 1:
+        third(h, q, v, slopes[0], slopes[1], q_next, v_next)
+    elif stage == 2:
+        fourth(h, q, v, slopes[1], slopes[2], q_next, v_next)
+    else:
+        finish(h, q, v, slopes[0], slopes[1], slopes[2], slopes[3])
+
+
 @fused
 def second(h: float, q: Array, v: Array, a1: Array, q2: Array, v2: Array) -> None:
-    """Set the state of the second evaluation, at t + h/2; all arrays have shape (n,)."""
+    """Set the state of the second evaluation, at t + h/2."""
     half = 0.5 * h
     for i in range(len(q)):
         q2[i] = q[i] + half * v[i]

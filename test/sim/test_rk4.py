@@ -19,14 +19,10 @@ def slope(t: float, q: Array, v: Array) -> Array:
 def step(t: float, h: float, q: Array, v: Array) -> None:
     size = len(q)
     a, q_stage, v_stage = np.zeros((4, size)), np.zeros(size), np.zeros(size)
-    a[0] = slope(t, q, v)
-    rk4.second(h, q, v, a[0], q_stage, v_stage)
-    a[1] = slope(t + h / 2, q_stage, v_stage)
-    rk4.third(h, q, v, a[0], a[1], q_stage, v_stage)
-    a[2] = slope(t + h / 2, q_stage, v_stage)
-    rk4.fourth(h, q, v, a[1], a[2], q_stage, v_stage)
-    a[3] = slope(t + h, q_stage, v_stage)
-    rk4.finish(h, q, v, a[0], a[1], a[2], a[3])
+    rk4.first(q, v, q_stage, v_stage)
+    for stage, node in enumerate((0, 0.5, 0.5, 1)):
+        a[stage] = slope(t + node * h, q_stage, v_stage)
+        rk4.proceed(stage, h, q, v, a, q_stage, v_stage)
 
 
 def textbook_step(t: float, h: float, y: Array) -> Array:
