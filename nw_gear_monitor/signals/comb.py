@@ -25,8 +25,9 @@ FREE_HARMONICS = (2, 2, 1)
 MODULATED_COMBINATION = 2
 MODULATED_HARMONICS = (8, 4, 4)
 """Lines up to this combination order, and own harmonics of I, II, III up to these, may change their amplitude."""
+LOWEST_FREQUENCY = 5.0
 HIGHEST_FREQUENCY = 2500.0
-"""Lines above are left out (Hz)."""
+"""Lines below are part of the slow trend, lines above are left out (Hz)."""
 DIVISORS = (2, 3, 4)
 CANDIDATE_HARMONICS = 4
 """Subharmonic lines p f_s / n are looked for up to this multiple of f_s."""
@@ -125,12 +126,12 @@ def spaced(frequency: Array, apart: float, highest: float, taken: Array | None =
         taken: frequencies that are there already, Hz.
 
     Returns:
-        (lines,) bool: a line is kept if it is positive, below `highest` and no kept line before it is closer.
+        (lines,) bool: a line is kept if it lies between LOWEST_FREQUENCY and `highest` and no kept line is closer.
     """
     keep = np.zeros(frequency.size, dtype=bool)
     there = [] if taken is None else list(taken)
     for i, f in enumerate(frequency):
-        keep[i] = apart < f < highest and all(abs(f - other) >= apart for other in there)
+        keep[i] = LOWEST_FREQUENCY < f < highest and all(abs(f - other) >= apart for other in there)
         if keep[i]:
             there.append(f)
     return keep

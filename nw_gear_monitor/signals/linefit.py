@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from nw_gear_common.tables import Array
 from nw_gear_monitor.signals.comb import HIGHEST_FREQUENCY, Comb, Subharmonic, Twelfths, multiples, spaced
@@ -16,8 +17,8 @@ from nw_gear_monitor.signals.normal import SHAPES, NormalSecond, design
 Flags = npt.NDArray[np.bool_]
 Indices = npt.NDArray[np.intp]
 
-RIDGE = 1e-10
-"""Added to the diagonal of the scaled matrix: harmless next to any noise, keeps near-equal lines solvable."""
+RIDGES = (1e-10, 1e-7, 1e-4)
+"""Added to the diagonal of the scaled matrix, the first that makes it solvable: harmless next to any noise."""
 NYQUIST_SHARE = 0.45
 
 
@@ -81,7 +82,7 @@ def fit(seconds: list[NormalSecond], comb: Comb, rate: float) -> LineFit:
     wanted, groups = _columns(comb, kept, curves.functions)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     gram, moment = gram * scale[:, None] * scale, moment * scale[:, None]
-    factor = cho_factor(gram[np.ix_(wanted, wanted)] + RIDGE * np.eye(wanted.size), check_finite=False)
+    factor = _factor(gram[np.ix_(wanted, wanted)])
     solution = cho_solve(factor, moment[wanted])
     left = np.sum([second.rest for second in seconds], axis=0) - np.sum(moment[wanted] * solution, axis=0)
     freedom = max(samples - wanted.size - sum(second.triangle.shape[0] for second in seconds), 1)
@@ -92,6 +93,15 @@ def fit(seconds: list[NormalSecond], comb: Comb, rate: float) -> LineFit:
     local = _local(full, len(comb.modulated), curves)
     residual = np.maximum(left, 0.0) * samples / freedom
     return LineFit(comb, kept, local, residual, energy, shares, wanted.size, curves, frequency, seconds)
+
+
+def _factor(matrix: Array) -> tuple[Array, bool]:
+    """Cholesky factor of a scaled matrix whose columns may be nearly dependent."""
+    for ridge in RIDGES:
+        with contextlib.suppress(LinAlgError):
+            factor, lower = cho_factor(matrix + ridge * np.eye(len(matrix)), check_finite=False)
+            return factor, bool(lower)
+    raise LinAlgError(f"the line fit's matrix can't be solved even with a ridge of {RIDGES[-1]:g}")
 
 
 def _assemble(seconds: list[NormalSecond], lines: int, curves: Modulation) -> tuple[Array, Array]:
@@ -156,7 +166,7 @@ def _candidate_shares(
         rest = (
             gram[np.ix_(group, group)]
             - cross.T @ cho_solve(factor, cross, check_finite=False)
-            + RIDGE * np.eye(group.size)
+            + RIDGES[1] * np.eye(group.size)
         )
         load = moment[group] - cross.T @ solution
         gain = np.sum(load * np.linalg.solve(rest, load), axis=0)

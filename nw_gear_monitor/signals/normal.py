@@ -4,9 +4,10 @@ One second gives A^T A, A^T x and x^T x, where A holds cosine and sine of the li
 afresh at each hop; nothing runs on from hop to hop, so that no rounding piles up and a replay gives the same numbers.
 
 Two things are settled inside the second and projected out of A and x alike:
-- the slow trend, a polynomial of degree 7 in time (below about 3 Hz): changes of load are no vibration;
-- the comb's free lines, each times polynomials of degree 4: these strongest lines may change their amplitude within a
-  fraction of a second, as when a weakly damped mode is passed and rings down; each takes up 2 to 3 Hz of bandwidth.
+- the slow trend, a polynomial of degree 15 in time (below about 5 Hz): changes of load are no vibration;
+- the comb's free lines, in a second of changing speed each times polynomials of degree 4: these strongest lines may
+  change their amplitude within a fraction of a second, as when a weakly damped mode is passed and rings down; each
+  takes up 2 to 3 Hz of bandwidth then, 1 Hz at constant speed.
 
 The comb's modulated lines get three columns each (times 1, tau, (3 tau^2 - 1)/2 with tau from -1 to 1 over the second),
 from which a window composes amplitude curves that are smooth on the scale of a second.
@@ -26,8 +27,10 @@ from nw_gear_common.tables import Array
 from nw_gear_monitor.signals.comb import PARTS, Comb, Twelfths, multiples, spaced
 
 SHAPES = 3
-TREND_DEGREE = 7
+TREND_DEGREE = 15
 FREE_DEGREE = 4
+STEADY = 5e-4
+"""Speed that changes by less than this within a second (relative) counts as constant there."""
 FREE_APART = 3.0
 """Free lines closer than this are taken once (Hz)."""
 RATE_DEGREE = 4
@@ -47,7 +50,7 @@ class NormalSecond:
         samples: number of samples.
         rate: (nodes, 3) mesh frequencies (rad/s) at NODES.
         level: (nodes, channels) slow trend of x (m) at NODES.
-        free: the free lines that this second can tell apart.
+        free, degree: the free lines that this second can tell apart, and the degree of their amplitudes in time.
         triangle, overlap, projection: R and Q^T A, Q^T x of what was projected out, W = Q R.
     """
 
@@ -59,6 +62,7 @@ class NormalSecond:
     rate: Array
     level: Array
     free: tuple[Twelfths, ...]
+    degree: int
     triangle: Array
     overlap: Array
     projection: Array
@@ -67,7 +71,7 @@ class NormalSecond:
         """Trend and free lines at given points, once the columns' coefficients (columns,) of a channel are known."""
         inside = self.projection[:, channel] - self.overlap @ coefficients
         weights = solve_triangular(self.triangle, inside)
-        found: Array = settled_columns(phase, tau, self.free) @ weights
+        found: Array = settled_columns(phase, tau, self.free, self.degree) @ weights
         return found
 
 
@@ -140,12 +144,12 @@ def relative_time(time: Array, start: float) -> Array:
     return tau
 
 
-def settled_columns(phase: Array, tau: Array, free: tuple[Twelfths, ...]) -> Array:
+def settled_columns(phase: Array, tau: Array, free: tuple[Twelfths, ...], degree: int) -> Array:
     """What is projected out of a second: the trend's polynomials, then each free line times some of them."""
     shapes = legendre.legvander(tau, TREND_DEGREE)
     angle = np.mod(phase, 2.0 * np.pi * PARTS) @ multiples(free).T
     waves = np.stack([np.cos(angle), np.sin(angle)], axis=2)
-    lines = waves[:, :, :, None] * shapes[:, None, None, : FREE_DEGREE + 1]
+    lines = waves[:, :, :, None] * shapes[:, None, None, : degree + 1]
     columns: Array = np.concatenate([shapes, lines.reshape(len(tau), -1)], axis=1)
     return columns
 
@@ -162,7 +166,8 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
     slope = legendre.legder(legendre.legfit(tau, phase - phase[0], RATE_DEGREE), axis=0)
     rate = np.asarray(2.0 * legendre.legval(NODES, slope).T, dtype=np.float64)
     free = _apart(comb.free, rate.mean(axis=0), len(time))
-    q, r = np.linalg.qr(settled_columns(phase, tau, free))
+    degree = FREE_DEGREE if np.ptp(rate[:, 0]) > STEADY * abs(rate[:, 0].mean()) else 0
+    q, r = np.linalg.qr(settled_columns(phase, tau, free, degree))
     columns = design(phase, tau, comb)
     projection, overlap = q.T @ x, q.T @ columns
     flat = x - q @ projection
@@ -177,6 +182,7 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
         rate=rate,
         level=legendre.legvander(NODES, TREND_DEGREE) @ solve_triangular(r[:trend, :trend], projection[:trend]),
         free=free,
+        degree=degree,
         triangle=r,
         overlap=overlap,
         projection=projection,

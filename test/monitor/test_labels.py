@@ -27,7 +27,7 @@ def half_order(_time, phase):
 
 
 def quarter_order(time, phase):
-    return half_order(time, phase) + 4e-6 * np.cos(0.25 * phase)
+    return half_order(time, phase) + sum(3e-6 * np.cos(q * phase + q) for q in (0.25, 0.75, 1.25))
 
 
 def third_order(_time, phase):
@@ -125,6 +125,13 @@ def test_standstill_is_unknown_whatever_the_signal_does():
     assert hops[-1].sections == {}
     assert hops[-1].orders is None
     assert hops[-1].spectrum is not None
+
+
+@pytest.mark.parametrize("share", [0.3, 0.1, 0.02])
+def test_a_slowly_turning_gearbox_is_labelled_too(share):
+    """Lines crowd together and sink into the slow trend; the fit has to stay solvable."""
+    hops, _ = run(waveform(SECONDS, noise=0.01, speed=lambda time: share + 0.0 * time))
+    assert set(labels(hops[-1]).values()) == {"period-1"}
 
 
 def test_nothing_is_known_before_three_windows_of_eight_seconds():
