@@ -1,5 +1,7 @@
 """The simulator as a process, looked at over DDS."""
 
+import re
+
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -56,7 +58,8 @@ def test_every_topic_of_the_contract_is_there_in_real_time():
             assert list(mesh[0].name) == list(names.MESHES)
             assert list(shafts[0].name) == list(names.SHAFTS)
             assert all(bearings.values())
-            assert shafts[-1].velocity[3] / shafts[-1].velocity[0] == pytest.approx(56.2184, rel=1e-4)
+            turned = np.array(shafts[-1].position) - np.array(shafts[0].position)
+            assert turned[3] / turned[0] == pytest.approx(56.2184, rel=1e-3)
             assert {"excitation", "open fraction III (1)"} <= {pair.key for pair in truth[-1].values}
             assert statuses(diagnostics)
             seen = to_seconds(probe.node.get_clock().now().to_msg())
@@ -110,16 +113,14 @@ def test_a_diverged_integration_ends_with_time_state_and_step(tmp_path):
     with running("gear_sim_node", [f"config:={overlay}", "real_time_factor:=0.0"]) as sim:
         assert sim.wait(COMPILING) == 1
         message = sim.stderr.strip().splitlines()[-1]
-    assert message.startswith("gear_sim_node: ")
-    assert "9.7656" in message
-    assert "ring" in message or "_" in message
+    assert re.match(r"gear_sim_node: integration diverged at \d+\.\d+ s \(step \d+\): \S+.* is \S+ m", message), message
 
 
 def test_pause_stops_time_and_reset_starts_again():
     with Probe() as probe:
         clocks = probe.collect(Clock, "/clock")
         blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
-        with running("gear_sim_node", ["config:=rated", "publish_clock:=true"]) as sim:
+        with running("gear_sim_node", ["config:=rated", "publish_clock:=true", "wait_for:=1"]) as sim:
             probe.wait_until(lambda: len(blocks) >= 10, sim, limit=COMPILING)
             assert probe.call(SetBool, "/nw_gear/gear_sim_node/pause", SetBool.Request(data=True), sim).success
             probe.wait_until(lambda: _quiet(probe, blocks), sim)
