@@ -13,7 +13,7 @@ VERSION = re.findall(r'__version__ = "(.+)"', Path("nw_gear_common/__init__.py")
 RUNTIME = (
     "numpy",
     "scipy",
-    "numba",
+    "numba>=0.68,<0.69",  # compiled.py uses an undocumented option of it
     "PyYAML>=6",
     "mcap>=1.2",
     "mcap-ros2-support>=0.5",

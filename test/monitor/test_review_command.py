@@ -60,7 +60,7 @@ def test_what_is_read_from_a_file_is_what_was_recorded(run, silent):
 
 
 def test_another_namespace_is_found(tmp_path, silent):
-    recorded.write(tmp_path / "bag", synthetic.stream(1), space="/farm/turbine_7")
+    recorded.write(tmp_path / "bag", synthetic.stream(1), space="/park/turbine_7")
     assert read.read(tmp_path / "bag", silent).waveform.samples == synthetic.RATE
 
 

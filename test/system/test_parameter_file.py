@@ -32,7 +32,7 @@ def test_every_parameter_stands_there_with_its_default_and_type():
 
 
 @pytest.mark.parametrize("node", sorted(NODES))
-@pytest.mark.parametrize("namespace", ["/nw_gear", "/farm/turbine_7"])
+@pytest.mark.parametrize("namespace", ["/nw_gear", "/park/turbine_7"])
 def test_the_file_reaches_every_node_in_every_namespace(node, namespace, tmp_path):
     changed = tmp_path / "changed.yaml"
     text = FILE.read_text(encoding="utf-8")
@@ -54,8 +54,8 @@ def test_a_node_runs_with_the_file(tmp_path):
         .replace("speed: 11.5", "speed: 6.25")
     )
     changed.write_text(text, encoding="utf-8")
-    ros = ["--params-file", str(changed), "-r", "__ns:=/farm/turbine_7"]
+    ros = ["--params-file", str(changed), "-r", "__ns:=/park/turbine_7"]
     with running("wind_node", ros=ros) as wind, Probe() as probe:
-        received = probe.collect(Vector3Stamped, "/farm/turbine_7/wind_speed", depth=20)
+        received = probe.collect(Vector3Stamped, "/park/turbine_7/wind_speed", depth=20)
         probe.wait_until(lambda: len(received) >= 2, wind)
     assert {message.vector.x for message in received} == {6.25}
