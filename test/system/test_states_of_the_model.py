@@ -1,7 +1,7 @@
 """The monitor's states against the truth of the simulated gearbox, without ROS.
 
-Truth comes from the model: the rate at which two neighbouring trajectories part (negative: regular), and for period 2
-the motion itself, compared with itself one and two mesh periods before.
+Truth comes from the model: the rate at which two neighbouring trajectories part (negative: regular), and for periods
+2 and 4 the motion itself, compared with itself one, two and four mesh periods before.
 """
 
 import copy
@@ -71,6 +71,13 @@ def growth(simulation, drive, seconds):
     return math.log(distances[-1] / distances[0]) / seconds
 
 
+def change_over_periods(block, numbers):
+    """Standard deviation of the change of x_II_1 over so many mesh periods of stage II, for each number."""
+    phase, x = block.phase[:, 1], block.x[:, names.MESHES.index("II_1")]
+    grid = phase[0] + 2 * np.pi * np.arange(4.0, 60.0, 0.01)
+    return [np.std(np.interp(grid, phase, x) - np.interp(grid - 2 * np.pi * n, phase, x)) for n in numbers]
+
+
 def test_rated_is_regular_in_every_stage():
     configuration, drive, simulation = fixed("rated")
     hops = watch(configuration, simulation, [drive] * 400)
@@ -92,12 +99,18 @@ def test_period_two_is_found_in_stage_two_and_named_elsewhere():
     assert shown(hops[9:], "II") == {"period-2"}
     assert shown(hops[9:], "I") == shown(hops[9:], "III") == {"period-1"}
     assert growth(simulation, drive, 2.0) < 0
-    block = simulation.advance(5120, drive)
-    period = 2 * np.pi
-    phase, x = block.phase[:, 1], block.x[:, names.MESHES.index("II_1")]
-    grid = phase[0] + period * np.arange(2.0, 60.0, 0.01)
-    now, once, twice = (np.interp(grid - n * period, phase, x) for n in (0, 1, 2))
-    assert np.std(now - twice) < 0.5 * np.std(now - once)
+    differences = change_over_periods(simulation.advance(5120, drive), (1, 2))
+    assert differences[1] < 0.5 * differences[0]
+
+
+def test_period_four_is_found_in_stage_two():
+    configuration, drive, simulation = fixed("period4")
+    simulation.advance(4 * 5120, drive)
+    hops = watch(configuration, simulation, [drive] * 300)
+    assert shown(hops[-5:], "II") == {"period-4"}
+    assert growth(simulation, drive, 2.0) < 0
+    differences = change_over_periods(simulation.advance(5120, drive), (1, 2, 4))
+    assert differences[2] < 0.5 * differences[1]
 
 
 @pytest.mark.parametrize("seed", [0, 1])
