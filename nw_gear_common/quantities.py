@@ -1,7 +1,7 @@
 """A number declared once: default, unit, bounds, choices and text in the field of a frozen dataclass.
 
-YAML keys, ROS parameter descriptors and the tables of the README derive from these declarations; `check` is the one
-place where values are held against them.
+YAML keys, ROS parameter descriptors and the tables of the README derive from these declarations; `check_value` is the
+one place where values are held against them.
 """
 
 from __future__ import annotations
@@ -111,9 +111,3 @@ def check_value(place: str, value: Any, kind: Any, description: Quantity) -> Any
     if description.choices is not None and value not in description.choices:
         raise InputError(place, wanted, repr(value))
     return value
-
-
-def check(instance: Any, place: str) -> None:
-    """Hold every declared field of an instance against its declaration; `place` names the instance in the message."""
-    for name, kind, _default, description in quantities(instance):
-        check_value(f"{place}.{name}" if place else name, getattr(instance, name), kind, description)

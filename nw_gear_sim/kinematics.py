@@ -179,7 +179,7 @@ def _bodies(configuration: Configuration, pairs: tuple[PairGeometry, ...]) -> Bo
 def _shaft_ratio(pairs: tuple[PairGeometry, ...]) -> dict[str, float]:
     ratios = [1.0]
     for pair in pairs:
-        ratios.append(ratios[-1] * pair.driver.teeth / pair.driven.teeth)
+        ratios.append(ratios[-1] * pair.speed_ratio)
     return dict(zip(names.SHAFTS, ratios, strict=True))
 
 

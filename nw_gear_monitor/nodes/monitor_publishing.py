@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray
 
 from nw_gear_common import names
-from nw_gear_common.ros import live_qos, to_message, to_stamp
+from nw_gear_common.diagnostics import ERROR, OK, STALE, WARN, Diagnostics
+from nw_gear_common.ros import live_qos, to_message
 from nw_gear_monitor.health import Status
 from nw_gear_monitor.pipeline import Hop
 
 DEPTH = 20
-LEVELS = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
+LEVELS = (OK, WARN, ERROR, STALE)
 
 
 class Publishing:
@@ -22,9 +22,8 @@ class Publishing:
         topics = [names.SPECTRUM, names.ORDERS]
         topics += [names.section_topic(stage) for stage in names.STAGES]
         topics += [names.indicators_topic(mesh) for mesh in names.MESHES]
-        self._node = node
         self._tables = {topic: node.create_publisher(Float64MultiArray, topic, live_qos(DEPTH)) for topic in topics}
-        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, live_qos(DEPTH))
+        self._diagnostics = Diagnostics(node)
 
     def tables(self, hop: Hop) -> None:
         """Publish the tables of one second."""
@@ -37,16 +36,6 @@ class Publishing:
 
     def diagnostics(self, statuses: list[Status], stamp: float) -> None:
         """Publish statuses; `stamp` in seconds of ROS time."""
-        message = DiagnosticArray()
-        message.header.stamp = to_stamp(stamp)
-        message.status = [self._status(status) for status in statuses]
-        self._diagnostics.publish(message)
-
-    def _status(self, status: Status) -> DiagnosticStatus:
-        message = DiagnosticStatus()
-        message.level = LEVELS[status.level]
-        message.name = f"{self._node.get_name()}: {status.name}"
-        message.message = status.message
-        message.hardware_id = self._node.get_namespace()
-        message.values = [KeyValue(key=key, value=value) for key, value in status.pairs.items()]
-        return message
+        self._diagnostics.publish(
+            [self._diagnostics.status(s.name, LEVELS[s.level], s.message, s.pairs) for s in statuses], stamp
+        )

@@ -13,16 +13,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 
-from nw_gear_common import names
+from nw_gear_common.diagnostics import OK, WARN, Diagnostics
 from nw_gear_common.errors import InputError
 from nw_gear_common.quantities import quantities, quantity
-from nw_gear_common.ros import NodeFailure, Stop, declare_parameters, live_qos, make_node, run
+from nw_gear_common.ros import NodeFailure, Stop, declare_parameters, make_node, run
 from nw_gear_monitor.nodes.discovery import Discovery
 from nw_gear_monitor.nodes.ears import Ears
 from nw_gear_monitor.nodes.intake import Intake
@@ -69,7 +68,7 @@ class RecorderNode(Node):
             raise InputError("parameter uri", "a new folder for the recording", "none")
         simulated = bool(self.get_parameter("use_sim_time").value)
         selected = Selection(self._settings.topics, self.get_namespace())
-        self._diagnostics = self.create_publisher(DiagnosticArray, names.DIAGNOSTICS, live_qos(20))
+        self._diagnostics = Diagnostics(self)
         self._writer = RecordingWriter(Path(self._settings.uri).absolute(), self._settings.compression)
         self._intake = Intake(self._writer, simulated)
         self._ears = Ears(self)
@@ -162,16 +161,8 @@ class RecorderNode(Node):
             "no parameters yet from": ", ".join(self._survey.unanswered),
             "uri": self._settings.uri,
         }
-        status = DiagnosticStatus(
-            level=DiagnosticStatus.WARN if remarks else DiagnosticStatus.OK,
-            name=f"{self.get_name()}: recording",
-            message="; ".join(remarks) or "recording",
-            hardware_id=self.get_namespace(),
-            values=[KeyValue(key=key, value=value) for key, value in values.items()],
-        )
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = self.get_clock().now().to_msg()
-        self._diagnostics.publish(array)
+        message = "; ".join(remarks) or "recording"
+        self._diagnostics.publish([self._diagnostics.status("recording", WARN if remarks else OK, message, values)])
 
 
 def main(argv: Sequence[str]) -> int:

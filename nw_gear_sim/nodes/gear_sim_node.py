@@ -12,13 +12,13 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import Vector3Stamped
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_srvs.srv import SetBool, Trigger
 
 from nw_gear_common import names
+from nw_gear_common.diagnostics import ERROR, OK, WARN
 from nw_gear_common.errors import NwGearError
 from nw_gear_common.quantities import quantity
 from nw_gear_common.ros import Stop, declare_parameters, latched_qos, leave_now, make_node, run, to_seconds, was_set
@@ -133,7 +133,7 @@ class GearSimNode(Node):
 
     def _work(self) -> None:
         try:
-            self._report(DiagnosticStatus.OK, "compiling")
+            self._report(OK, "compiling")
             compile_kernels()
             while not self._stop and self._run_epoch():
                 self.get_logger().info("reset: a new epoch begins")
@@ -141,7 +141,7 @@ class GearSimNode(Node):
                 self.get_logger().warning("the last blocks were not acknowledged by every subscriber")
             self._stop()
         except NwGearError as error:
-            self._report(DiagnosticStatus.ERROR, str(error))
+            self._report(ERROR, str(error))
             self._stop(error)
         except Exception as error:  # a thread that dies in silence would leave a node that does nothing
             self._stop(NwGearError(f"{type(error).__name__}: {error}"))
@@ -185,7 +185,7 @@ class GearSimNode(Node):
                 return True
             if time.monotonic() >= self._next_report:
                 self._next_report = time.monotonic() + 1.0
-                self._report(DiagnosticStatus.OK, "waiting for " + " and ".join(missing))
+                self._report(OK, "waiting for " + " and ".join(missing))
             self._stop.event.wait(POLL)
         return False
 
@@ -248,7 +248,7 @@ class GearSimNode(Node):
             "simulated (s)": f"{simulated:.3f}",
             **self._session.values(),
         }
-        self._report(DiagnosticStatus.WARN if slow else DiagnosticStatus.OK, message, values)
+        self._report(WARN if slow else OK, message, values)
         self._reports.truth("no fault injected", self._session.truth())
 
     def _report(self, level: bytes, message: str, values: dict[str, str] | None = None) -> None:

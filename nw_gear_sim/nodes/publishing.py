@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import WrenchStamped
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -15,6 +15,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from nw_gear_common import names
+from nw_gear_common.diagnostics import OK, Diagnostics
 from nw_gear_common.ros import latched_qos, live_qos, to_message, to_stamp
 from nw_gear_common.tables import Array, Table
 from nw_gear_sim.simulation import Block
@@ -105,9 +106,8 @@ class Reports:
 
     def __init__(self, node: Node, with_clock: bool) -> None:
         self._truth = node.create_publisher(DiagnosticStatus, names.TRUTH, latched_qos())
-        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, live_qos(10))
+        self._diagnostics = Diagnostics(node)
         self._clock = node.create_publisher(Clock, names.CLOCK, live_qos(100)) if with_clock else None
-        self._hardware = node.get_namespace()
 
     def clock(self, seconds: float) -> None:
         """Publish simulated time, where this node is its source."""
@@ -116,14 +116,8 @@ class Reports:
 
     def truth(self, message: str, values: Mapping[str, str]) -> None:
         """Publish what the simulator knows and a monitor has to find out."""
-        self._truth.publish(self._status("gear_sim_node: truth", DiagnosticStatus.OK, message, values))
+        self._truth.publish(self._diagnostics.status("truth", OK, message, values))
 
     def diagnostics(self, seconds: float, level: bytes, message: str, values: Mapping[str, str]) -> None:
         """Publish how the integration goes."""
-        array = DiagnosticArray(status=[self._status("gear_sim_node: integration", level, message, values)])
-        array.header.stamp = to_stamp(seconds)
-        self._diagnostics.publish(array)
-
-    def _status(self, name: str, level: bytes, message: str, values: Mapping[str, str]) -> DiagnosticStatus:
-        pairs = [KeyValue(key=key, value=value) for key, value in values.items()]
-        return DiagnosticStatus(name=name, level=level, message=message, hardware_id=self._hardware, values=pairs)
+        self._diagnostics.publish([self._diagnostics.status("integration", level, message, values)], seconds)

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Vector3Stamped
 from rclpy.clock import Clock, JumpThreshold, TimeJump
 from rclpy.clock_type import ClockType
@@ -22,6 +21,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from nw_gear_common import names
+from nw_gear_common.diagnostics import OK, WARN, Diagnostics
 from nw_gear_common.ros import Stop, declare_parameters, make_node, run
 from nw_gear_sim import config
 from nw_gear_sim.nodes.schedule import Schedule
@@ -63,7 +63,7 @@ class WindNode(Node):
             depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
         )
         self._publisher = self.create_publisher(Vector3Stamped, names.WIND_SPEED, qos)
-        self._diagnostics = self.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
+        self._diagnostics = Diagnostics(self)
         self._announce()
         self._begin()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -155,16 +155,8 @@ class WindNode(Node):
             "bridged (s)": f"{source.bridged:g}",
             **source.values,
         }
-        status = DiagnosticStatus(
-            level=DiagnosticStatus.WARN if remarks else DiagnosticStatus.OK,
-            name=f"{self.get_name()}: wind",
-            message="; ".join([source.description, *remarks]),
-            hardware_id=self.get_namespace(),
-            values=[KeyValue(key=key, value=value) for key, value in values.items()],
-        )
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = self.get_clock().now().to_msg()
-        self._diagnostics.publish(array)
+        message = "; ".join([source.description, *remarks])
+        self._diagnostics.publish([self._diagnostics.status("wind", WARN if remarks else OK, message, values)])
 
 
 def main(argv: Sequence[str]) -> int:
