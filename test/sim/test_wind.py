@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from nw_gear_common.errors import InputError
-from nw_gear_common.quantities import check
 from nw_gear_sim import config
 from nw_gear_sim.nodes.schedule import Schedule
 from nw_gear_sim.physics.wind_gust import DURATION, gust_magnitude
@@ -19,7 +18,6 @@ NANO = 1_000_000_000
 def make(**values: Any) -> Source:
     configuration = config.load()
     settings = Settings(**values)
-    check(settings, "parameter")
     return make_source(settings, configuration.wind, configuration.turbine)
 
 
