@@ -78,4 +78,19 @@ class Gravity:
 class Numerics:
     """How the equations are solved."""
 
-    step: float = quantity(MISSING, "time step of the fixed-step integrator", "s", minimum=1e-7, maximum=1e-2)
+    integrator: str = quantity(
+        MISSING,
+        "gautschi: fast, ring modes below ring_bandwidth; etdrk4: precise, all ring modes; rk4: the paper's",
+        choices=("gautschi", "etdrk4", "rk4"),
+    )
+    step: float = quantity(MISSING, "time step of the integrator", "s", minimum=1e-7, maximum=1e-2)
+    ring_bandwidth: float = quantity(
+        MISSING,
+        "frequency above which gautschi takes ring modes as a static flexibility",
+        "Hz",
+        minimum=100.0,
+        maximum=1e6,
+    )
+    ring: str = quantity(
+        MISSING, "whether the ring's segments can move against each other", choices=("flexible", "rigid")
+    )
