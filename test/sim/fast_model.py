@@ -7,7 +7,7 @@ import numpy as np
 
 from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.gearbox import Gearbox
-from test.sim.reference_model import Instant, ReferenceModel
+from nw_gear_sim.reference.model import Instant, ReferenceModel
 
 ROLLER_ERROR = 1e-9
 """Stated relative error of the fast power of a roller's compression."""

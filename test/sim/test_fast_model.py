@@ -7,10 +7,10 @@ import pytest
 
 from nw_gear_common import names
 from nw_gear_sim.physics.friction import friction_share
+from nw_gear_sim.reference.friction import sliding_friction
+from nw_gear_sim.reference.model import Instant, ReferenceModel
+from nw_gear_sim.reference.states import RATED, at_rest, model, random_state
 from test.sim.fast_model import FRICTION_ERROR, ROLLER_ERROR, FastModel
-from test.sim.reference_friction import sliding_friction
-from test.sim.reference_model import Instant, ReferenceModel
-from test.sim.reference_states import RATED, at_rest, model, random_state
 
 ROUNDING = 5e-12
 """Relative to the largest force of its kind; phases of some thousand radians cost digits."""

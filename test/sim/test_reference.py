@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from nw_gear_common import names
-from test.sim.reference_friction import contact_lines, sliding_friction
-from test.sim.reference_model import Instant, ReferenceModel
-from test.sim.reference_states import RATED, SMOOTH, model, random_state, shifted_together, turned_together
+from nw_gear_sim.reference.friction import contact_lines, sliding_friction
+from nw_gear_sim.reference.model import Instant, ReferenceModel
+from nw_gear_sim.reference.states import RATED, SMOOTH, model, random_state, shifted_together, turned_together
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, -7.1])

@@ -11,7 +11,7 @@ Movement = dict[str, np.ndarray]
 
 
 def turned(vector: np.ndarray) -> np.ndarray:
-    """z x vector: the velocity of a point there per unit of rotation about z."""
+    """Return z x vector: the velocity of a point there per unit of rotation about z."""
     return np.array([-vector[1], vector[0], 0 * vector[0]])
 
 
@@ -22,10 +22,12 @@ def polar(angle: complex) -> tuple[np.ndarray, np.ndarray]:
 
 
 def along(direction: np.ndarray, movement: Movement) -> dict[str, complex]:
+    """Return how far the point moves in a direction, per unit of each coordinate."""
     return {name: complex(direction @ vector) for name, vector in movement.items()}
 
 
 def minus(first: Movement, second: Movement) -> Movement:
+    """Return the movement of the first point as seen from the second; they share no coordinate."""
     return {**first, **{name: -vector for name, vector in second.items()}}
 
 
@@ -40,6 +42,7 @@ class Gear:
     axial: bool = True
 
     def movement(self, point: np.ndarray) -> Movement:
+        """Movement of a point fixed to the gear."""
         out = {f"{self.name}.x": X, f"{self.name}.y": Y, f"{self.name}.z": Z}
         if not self.axial:
             del out[f"{self.name}.z"]

@@ -23,8 +23,8 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_sim.kinematics import PLANET_ANGLES, Stage, bearing_kind, derive
 from nw_gear_sim.params import Configuration
-from test.sim.reference_bodies import Gear, Movement, X, Y, Z, along, minus, polar, turned
-from test.sim.reference_friction import sliding_friction
+from nw_gear_sim.reference.bodies import Gear, Movement, X, Y, Z, along, minus, polar, turned
+from nw_gear_sim.reference.friction import sliding_friction
 
 TINY = 1e-40
 """Complex step: the imaginary part of f(t + i TINY) over TINY is f'(t) without any difference being taken."""
@@ -132,6 +132,7 @@ class ReferenceModel:
         return -math.sin(angle) * radial + (push if stage == "I" else -push)
 
     def pitch_point(self, mesh: str) -> np.ndarray:
+        """Where the pitch circles touch, m."""
         pair = self.kinematics.stage(mesh).pair
         if mesh == "III":
             return pair.driver.pitch_radius * X
@@ -171,6 +172,7 @@ class ReferenceModel:
         return complex(stage.mesh.error_mean + stage.mesh.error_amplitude * wave)
 
     def mesh_state(self, mesh: str, q: Mapping[str, float], v: Mapping[str, float], now: Instant) -> MeshState:
+        """What one mesh does at coordinates q and rates v; the moving geometry is differentiated by complex steps."""
         stage = self.kinematics.stage(mesh)
         later = now.angle + 1j * TINY
         h = self.approach(mesh, later)
@@ -217,11 +219,11 @@ class ReferenceModel:
                     stiffness = getattr(shafts, f"{shaft}_{'axial' if axis == 'z' else 'radial'}")
                     spring({f"{first}.{axis}": 1.0, f"{second}.{axis}": -1.0}, stiffness, shafts.damping_time)
         bodies = self.kinematics.bodies
-        first, second = 1 / bodies.planet_1.base_radius, 1 / bodies.planet_2.base_radius
+        driver, driven = 1 / bodies.planet_1.base_radius, 1 / bodies.planet_2.base_radius
         for j in (1, 2, 3):
-            spring({f"p1_{j}.u": first, f"p2_{j}.u": -second}, torsion.planet, torsion.damping_time)
-        first, second = 1 / bodies.sun.base_radius, 1 / bodies.herringbone_1.base_radius
-        spring({"s.u": first, "h1.u": -second}, torsion.sun, torsion.damping_time)
+            spring({f"p1_{j}.u": driver, f"p2_{j}.u": -driven}, torsion.planet, torsion.damping_time)
+        driver, driven = 1 / bodies.sun.base_radius, 1 / bodies.herringbone_1.base_radius
+        spring({"s.u": driver, "h1.u": -driven}, torsion.sun, torsion.damping_time)
         spring({"h2.u": 1 / bodies.herringbone_2.base_radius}, c.generator.stiffness, c.generator.damping_time)
         for name in names.BEARINGS:
             damping = getattr(c.bearings, bearing_kind(name)).damping

@@ -6,7 +6,7 @@ import numpy as np
 
 from nw_gear_common import names
 from nw_gear_sim.config import load, with_values
-from test.sim.reference_model import Instant, ReferenceModel
+from nw_gear_sim.reference.model import Instant, ReferenceModel
 
 CONFIGURATION = load()
 SMOOTH = {f"mesh.{stage}.error_amplitude": 0.0 for stage in names.STAGES}
@@ -14,10 +14,12 @@ RATED = 4.3e6
 
 
 def model(**values: object) -> ReferenceModel:
+    """Return the default gearbox with some values changed; `__` stands for the dot of a key."""
     return ReferenceModel(with_values({key.replace("__", "."): value for key, value in values.items()}, CONFIGURATION))
 
 
 def at_rest(reference: ReferenceModel) -> dict[str, float]:
+    """Return all coordinates, zero."""
     return dict.fromkeys(reference.masses, 0.0)
 
 
