@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from nw_gear_common import names
+from nw_gear_sim.reference.arrays import ArrayModel
 from nw_gear_sim.reference.friction import contact_lines, sliding_friction
 from nw_gear_sim.reference.model import Instant, ReferenceModel
 from nw_gear_sim.reference.states import RATED, SMOOTH, model, random_state, shifted_together, turned_together
@@ -151,3 +152,19 @@ def test_ring_of_pinned_segments_is_a_mechanism() -> None:
 def test_degrees_of_freedom() -> None:
     assert len(model().masses) == 463
     assert len(model(ring__segments=37).masses) == 4 * 37 + 63
+
+
+@pytest.mark.parametrize(("friction", "bound"), [(False, 1e-12), (True, 1e-5)])
+@pytest.mark.parametrize("tied", [False, True])
+def test_arrays_are_the_same_equations(friction: bool, bound: float, tied: bool) -> None:
+    """Also while two segments share a mesh, with teeth apart and on both flanks; friction is tabulated in them."""
+    reference = model(friction__enabled=friction, excitation__mode="tied" if tied else "kinematic")
+    arrays = ArrayModel(reference, speed=1.8, torque=RATED)
+    for seed, time in enumerate((0.0, 0.37, 3.1)):
+        q, v = random_state(reference, seed)
+        plain = reference.accelerations(q, v, Instant(1.8 * time, 1.8, RATED))
+        expected = np.array([plain[name] for name in arrays.names])
+        got = arrays.accelerations(
+            time, np.array([q[name] for name in arrays.names]), np.array([v[name] for name in arrays.names])
+        )
+        assert np.max(np.abs(got - expected)) < bound * np.max(np.abs(expected))
