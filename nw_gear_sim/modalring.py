@@ -25,7 +25,7 @@ from nw_gear_sim.physics.engagement import EngagementLaw, engage
 from nw_gear_sim.physics.mesh import Indices, empty_rows
 from nw_gear_sim.physics.ring import RingLaw
 
-KNOTS = 16
+KNOTS = 32
 """Positions within a segment at which the contact is tabulated."""
 
 FAMILIES = ("A", "B", "axial A", "axial B")
@@ -64,7 +64,8 @@ class ContactTable(NamedTuple):
 
     Attributes:
         normal, slide, roll: rows of the modes as in `mesh.Rows`, (M KNOTS + 1, modes), linear in between.
-        flexibility: of the modes left out, along the normal, m/N, (KNOTS + 1,) over one segment.
+        flexibility: of the modes left out: elongation by a unit normal force, and along the normal by units of the
+            friction's force and moment (as in `slide` and `roll`), m/N, (3, KNOTS + 1) over one segment.
         neighbour: the same by the force of another planet, mean over a segment, m/N.
         push: elongation by the modes left out for 1 N of tangential force on every segment, m/N.
     """
@@ -151,16 +152,17 @@ def contact_table(law: EngagementLaw, kept: RingModes, dropped: RingModes) -> Co
         kept: modes of the motion; dropped: those that follow at once, none of them with frequency zero.
     """
     positions = np.arange(law.segments * KNOTS + 1) * (law.pitch / KNOTS)
-    flexible, neighbour, push = np.zeros(KNOTS + 1), 0.0, 0.0
+    flexible, neighbour, push = np.zeros((3, KNOTS + 1)), 0.0, 0.0
     if len(dropped.square):
+        turned = law.planet_angle[1] - law.planet_angle[0]
         here, away = (
-            np.array([contact_rows_of(law, dropped, angle + turned)[0] for angle in positions[: KNOTS + 1]])
-            for turned in (0.0, law.planet_angle[1] - law.planet_angle[0])
+            np.array([contact_rows_of(law, dropped, angle) for angle in positions[: KNOTS + 1] + offset])
+            for offset in (0.0, turned)
         )
-        flexible = np.sum(here**2 / dropped.square, axis=1)
-        neighbour = float(np.mean(np.sum(here * away / dropped.square, axis=1)))
-        tangential = dropped.shapes[law.segments : 2 * law.segments].sum(axis=0)
-        push = float(np.mean(here @ (tangential / dropped.square)))
+        yields = here[:, 0] / dropped.square
+        flexible = np.einsum("ki,kri->rk", yields, here)
+        neighbour = float(np.mean(np.sum(yields * away[:, 0], axis=1)))
+        push = float(np.mean(yields @ dropped.shapes[law.segments : 2 * law.segments].sum(axis=0)))
     tables = [np.empty((len(positions), len(kept.square))) for _ in range(3)]
     for k, angle in enumerate(positions):
         for table, row in zip(tables, contact_rows_of(law, kept, angle), strict=True):

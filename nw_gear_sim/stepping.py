@@ -78,7 +78,7 @@ def advance(
             slot = now if stage == 0 else (then if stage == 3 else middle)
             accelerate(laws, instants, slot, work.q, work.v, work, work.slopes[stage])
             if stage == 0:
-                _count(laws.mesh.backlash, work.contact.x, course.open, course.back)
+                count_contacts(laws.mesh.backlash, work.contact.x, course.open, course.back)
                 if step % steps_per_sample == 0:
                     _record(step // steps_per_sample, laws.ring.lever, laws.probes, q, v, work, course)
             rk4.proceed(stage, h, q, v, work.slopes, work.q, work.v)
@@ -89,7 +89,8 @@ def advance(
 
 
 @kernel
-def _count(backlash: Array, x: Array, opened: Array, back: Array) -> None:
+def count_contacts(backlash: Array, x: Array, opened: Array, back: Array) -> None:
+    """Count a step in which meshes at elongations x carried nothing, or carried on their back flanks."""
     for mesh in range(len(x)):
         opened[mesh] += abs(x[mesh]) <= backlash[mesh]
         back[mesh] += x[mesh] < -backlash[mesh]
