@@ -21,7 +21,7 @@ from typing import Any
 import numba
 import numba.core.config
 
-SOURCES = ("compiled.py", "model.py", "stepping.py", "integrator/*.py", "modal/*.py", "physics/*.py")
+SOURCES = ("compiled.py", "model.py", "stepping.py", "integrator/*.py", "modal/*.py", "physics/*.py", "batch/*.py")
 """Files with kernels."""
 
 _OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
