@@ -53,10 +53,16 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [f"{name} = nw_gear_common.launcher:{name}" for name in EXECUTABLES],
+        "nw_gear.benchmarks": [
+            "monitor = nw_gear_monitor.bench:measure",
+            "simulator = nw_gear_sim.bench.measure:measure",
+        ],
         "nw_gear.commands": [
+            "bench = nw_gear_common.bench:bench",
             "demo = nw_gear_common.demo:demo",
             "review = nw_gear_monitor.review.command:review",
             "info = nw_gear_monitor.records.command_info:info",
+            "equilibrium = nw_gear_sim.commands.equilibrium:equilibrium",
             "recover = nw_gear_monitor.records.command_recover:recover",
         ],
     },
