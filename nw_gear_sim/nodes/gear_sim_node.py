@@ -24,7 +24,7 @@ from nw_gear_common.quantities import quantity
 from nw_gear_common.ros import Stop, declare_parameters, latched_qos, leave_now, make_node, run, to_seconds, was_set
 from nw_gear_sim import config
 from nw_gear_sim.nodes.inflow import WindInflow
-from nw_gear_sim.nodes.pacing import Pace
+from nw_gear_sim.nodes.pacing import Busy, Pace
 from nw_gear_sim.nodes.publishing import Reports, Views, Waveform
 from nw_gear_sim.nodes.session import Session
 from nw_gear_sim.simulation import compile_kernels
@@ -101,6 +101,7 @@ class GearSimNode(Node):
         self.create_service(Trigger, "~/reset", self._on_reset)
         self._origin = 0.0
         self._pace = Pace(settings.real_time_factor, time.monotonic(), 0.0)
+        self._busy = Busy(time.monotonic())
         self._warned = False
         self._next_report = 0.0
         self._thread = threading.Thread(target=self._work, name="integration", daemon=True)
@@ -157,7 +158,7 @@ class GearSimNode(Node):
         self._origin = 0.0 if self._clocked else self._wall_time()
         self._session.begin(self._inflow_at(0.0) if self._session.wind_driven else None)
         self._origin = 0.0 if self._clocked else self._wall_time()  # finding the equilibrium took time
-        self._pace = Pace(self._settings.real_time_factor, time.monotonic(), 0.0)
+        self._pace, self._busy = Pace(self._settings.real_time_factor, time.monotonic(), 0.0), Busy(time.monotonic())
         self.get_logger().info(f"integrating {self._session.description}")
         limit = self._settings.duration
         while not self._stop and not self._reset.is_set():
@@ -218,7 +219,10 @@ class GearSimNode(Node):
 
     def _advance(self) -> None:
         end = self._session.time + self._session.tick
-        block = self._session.advance(self._inflow_at(end) if self._session.wind_driven else None)
+        wind = self._inflow_at(end) if self._session.wind_driven else None
+        began = time.thread_time()
+        block = self._session.advance(wind)
+        self._busy.note(time.thread_time() - began)
         self._waveform.add(block, self._origin)
         self._views.offer(block, self._origin)
         self._reports.clock(self._session.time)
@@ -246,6 +250,7 @@ class GearSimNode(Node):
             "real_time_factor wanted (1)": f"{self._settings.real_time_factor:g}",
             "lag (s)": f"{max(0.0, self._pace.lag(moment, simulated)):.3f}",
             "simulated (s)": f"{simulated:.3f}",
+            "integration (share of a core)": f"{self._busy.share(moment):.3f}",
             **self._session.values(),
         }
         self._report(WARN if slow else OK, message, values)

@@ -52,3 +52,25 @@ class Pace:
     def too_slow(self, wall: float, simulated: float) -> bool:
         """Whether the lag is more than a recorder or a person would overlook."""
         return self.lag(wall, simulated) > TOLERATED_LAG
+
+
+class Busy:
+    """How much of a core a task uses, between two looks at it.
+
+    Args:
+        wall: wall time now (s, monotonic).
+    """
+
+    def __init__(self, wall: float) -> None:
+        self._since = wall
+        self._spent = 0.0
+
+    def note(self, cpu: float) -> None:
+        """Add CPU time that the task has used (s)."""
+        self._spent += cpu
+
+    def share(self, wall: float) -> float:
+        """CPU time over wall time since the last look (NaN where none has passed); counting begins anew."""
+        share = self._spent / (wall - self._since) if wall > self._since else math.nan
+        self._since, self._spent = wall, 0.0
+        return share

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from nw_gear_sim.nodes.pacing import Pace
+from nw_gear_sim.nodes.pacing import Busy, Pace
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 4.0])
@@ -42,3 +42,13 @@ def test_the_factor_reached_looks_at_the_last_seconds_only():
 
 def test_before_any_progress_no_factor_is_claimed():
     assert math.isnan(Pace(1.0, 0.0, 0.0).reached())
+
+
+def test_share_of_a_core_since_the_last_look():
+    busy = Busy(10.0)
+    assert math.isnan(busy.share(10.0))
+    busy.note(0.2)
+    busy.note(0.1)
+    assert busy.share(12.0) == pytest.approx(0.15)
+    busy.note(0.5)
+    assert busy.share(13.0) == pytest.approx(0.5)
