@@ -111,6 +111,8 @@ class Independent:
 
     def friction(self, mesh: str, angle: float, speed: float) -> Array:
         """Generalised friction force for 1 N of elastic force in a mesh, (dof,)."""
+        if not self.configuration.friction.enabled:
+            return np.zeros(self.layout.size)
         reference, stage = self.reference, self.kinematics.stage(mesh)
         normal, pitch = reference.normal(mesh), reference.pitch_point(mesh)
         rub = (-1.0 if stage.name == "II" else 1.0) * turned(normal)
