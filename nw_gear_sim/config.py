@@ -14,8 +14,8 @@ import yaml
 from nw_gear_common import names, share
 from nw_gear_common.errors import InputError
 from nw_gear_common.quantities import optional, quantities
-from nw_gear_sim import configfile
-from nw_gear_sim.kinematics import derive
+from nw_gear_sim import configfile, nondimensional
+from nw_gear_sim.kinematics import Kinematics, derive
 from nw_gear_sim.params import Configuration
 
 BASE = "config/gearbox.yaml"
@@ -62,7 +62,8 @@ def with_values(values: Mapping[str, Any], base: Configuration) -> Configuration
     """Return a configuration with some values replaced.
 
     Args:
-        values: by dotted key, such as {"mesh.I.backlash": 45e-6}, in SI units.
+        values: by dotted key, such as {"mesh.I.backlash": 45e-6}, in SI units; or as a pure number (see
+            `nondimensional.UNITS`), such as {"nondimensional.mesh.I.backlash": 1}.
         base: the configuration to start from.
 
     Raises:
@@ -71,6 +72,10 @@ def with_values(values: Mapping[str, Any], base: Configuration) -> Configuration
     known = configfile.leaves()
     flat = {key: _get(base, key) for key in known}
     for key, value in values.items():
+        pure = key.removeprefix(f"{configfile.NONDIMENSIONAL}.")
+        if pure != key and pure in known:
+            flat[pure] = configfile.scaled(key, value)
+            continue
         if key not in known:
             raise configfile.unknown_key("configuration", key, list(known))
         flat[key] = configfile.check_leaf(key, value, known[key])
@@ -95,16 +100,40 @@ def _refuse_missing(place: str, values: Mapping[str, Any]) -> None:
 
 
 def _assemble(values: Mapping[str, Any], place: str) -> Configuration:
-    configuration: Configuration = _build(Configuration, values, "")
+    configuration: Configuration = _build(Configuration, _resolved(values, place), "")
     turbine = configuration.turbine
     if not turbine.cut_in_wind < turbine.rated_wind < turbine.cut_out_wind:
         got = f"{turbine.cut_in_wind:g}, {turbine.rated_wind:g}, {turbine.cut_out_wind:g} m/s"
         raise InputError(f"{place}: turbine", "cut_in_wind < rated_wind < cut_out_wind", got)
+    _derive(configuration, place)
+    return configuration
+
+
+def _derive(configuration: Configuration, place: str) -> Kinematics:
     try:
-        derive(configuration)
+        return derive(configuration)
     except InputError as error:
         raise InputError(f"{place}: {error.place}", error.expected, error.got) from error
-    return configuration
+
+
+def _resolved(values: Mapping[str, Any], place: str) -> dict[str, Any]:
+    """Turn values of the nondimensional form into SI; the scales don't depend on what may be given in them."""
+    pure = {key: value for key, value in values.items() if isinstance(value, configfile.Scaled)}
+    if not pure:
+        return dict(values)
+    for key, value in pure.items():
+        if key not in nondimensional.UNITS:
+            raise configfile.unknown_key(value.place, key, list(nondimensional.UNITS))
+    draft: Configuration = _build(Configuration, {**values, **dict.fromkeys(pure, 1.0)}, "")
+    kinematics, known = _derive(draft, place), configfile.leaves()
+    out = dict(values)
+    for key, value in pure.items():
+        in_si = value.value * nondimensional.unit(key, draft, kinematics)
+        try:
+            out[key] = configfile.check_leaf(value.place, in_si, known[key])
+        except InputError as error:
+            raise InputError(value.place, error.expected, f"{value.value:g}, which is {in_si:g}") from error
+    return out
 
 
 def _build(cls: type, values: Mapping[str, Any], prefix: str) -> Any:

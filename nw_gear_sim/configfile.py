@@ -20,6 +20,9 @@ from nw_gear_sim.params import Configuration
 
 _LEAF_KEYS = ("value", "unit", "source")
 
+NONDIMENSIONAL = "nondimensional"
+"""Section of a file whose values are pure numbers in the units of `nondimensional`, under the same keys."""
+
 
 @dataclass(frozen=True)
 class Leaf:
@@ -27,6 +30,14 @@ class Leaf:
 
     kind: Any
     description: Quantity
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """A value given in the units of the nondimensional form, with the place where it stands."""
+
+    value: float
+    place: str
 
 
 class _Loader(yaml.SafeLoader):
@@ -72,7 +83,8 @@ def read(path: Path, *, sources: bool = False) -> dict[str, Any]:
 def parse(text: str, place: str, *, sources: bool = False) -> dict[str, Any]:
     """Read the values of a configuration, partial or whole, as {dotted key: value in SI units}.
 
-    A value is `{value: 45, unit: um, source: "..."}`, or `45 um`, or bare where it has no dimension.
+    A value is `{value: 45, unit: um, source: "..."}`, or `45 um`, or bare where it has no dimension. Those of the
+    section `nondimensional`, which mirrors the others, are pure numbers and come out as `Scaled`.
 
     Args:
         text: YAML.
@@ -87,7 +99,7 @@ def parse(text: str, place: str, *, sources: bool = False) -> dict[str, Any]:
         root = loader.get_single_node()
         if root is None:
             return {}
-        return dict(_section(_Reader(loader, place, sources), root, Configuration, ""))
+        return _once(place, _section(_Reader(loader, place, sources), root, Configuration, ""))
     except yaml.YAMLError as error:
         raise InputError(_yaml_place(place, error), "a YAML document", _yaml_problem(error)) from error
     except RecursionError as error:
@@ -155,8 +167,38 @@ def _section(reader: _Reader, node: yaml.Node, cls: type, prefix: str) -> Iterat
             yield key, _leaf(reader, child, key, own[name])
         elif name in nested:
             yield from _section(reader, child, nested[name], key)
+        elif key == NONDIMENSIONAL:
+            yield from _scaled_section(reader, child, Configuration, "")
         else:
             raise unknown_key(reader.place(prefix, child), name, [*own, *nested])
+
+
+def _once(place: str, found: Iterator[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the values by key, refusing a key that stands in the section `nondimensional` and outside of it."""
+    values: dict[str, Any] = {}
+    for key, value in found:
+        if key in values:
+            raise InputError(f"{place}: {key}", "each key once", f"it under {NONDIMENSIONAL} too")
+        values[key] = value
+    return values
+
+
+def scaled(place: str, value: Any) -> Scaled:
+    """Return a value of the nondimensional form; raises InputError where it isn't a number."""
+    return Scaled(check_value(place, value, float, Quantity("pure number")), place)
+
+
+def _scaled_section(reader: _Reader, node: yaml.Node, cls: type, prefix: str) -> Iterator[tuple[str, Scaled]]:
+    own, nested = [name for name, *_ in quantities(cls)], sections(cls)
+    for name, child in reader.entries(_join(NONDIMENSIONAL, prefix), node).items():
+        key = _join(prefix, name)
+        if name in nested:
+            yield from _scaled_section(reader, child, nested[name], key)
+        elif name in own:
+            place = _join(NONDIMENSIONAL, key)
+            yield key, scaled(reader.place(place, child), reader.scalar(place, child))
+        else:
+            raise unknown_key(reader.place(_join(NONDIMENSIONAL, prefix), child), name, [*own, *nested])
 
 
 def _leaf(reader: _Reader, node: yaml.Node, key: str, leaf: Leaf) -> Any:
