@@ -5,7 +5,7 @@
 #   make test      every check but the slow ones               (ARGS="-k wind")
 #   make test-all  lint, and every test
 #   make lint      style, types, layers
-#   make bench     60 s in real time, measured
+#   make bench     speed and accuracy on this machine; the nodes measured live  (ARGS="--config FILE")
 #   make docs      generated tables, then HTML in build/docs
 
 PYTHON ?= python3
@@ -62,7 +62,9 @@ format: $(INSTALLED)
 	$(BIN)/ruff format .
 
 bench: $(COMPILED)
-	$(BIN)/python benchmark/live.py $(ARGS)
+	$(BIN)/nw_gear bench $(ARGS)
+	mkdir -p build
+	$(BIN)/python benchmark/live.py -o build/live.json
 
 docs: $(INSTALLED)
 	$(BIN)/python scripts/generate.py

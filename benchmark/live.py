@@ -1,7 +1,7 @@
-"""The whole suite in real time, measured: lost blocks, simulated against wall time, CPU of each process.
+"""The nodes as processes, measured: start, real time, as fast as possible, with and without a recorder.
 
-Starts wind, gearbox, monitor and recorder as processes, subscribes to the waveform beside them, and prints a table
-and one JSON object. A measurement, not a test: nothing passes or fails here.
+Prints a table on standard error and one JSON object on standard output. A measurement, not a test: nothing passes or
+fails here.
 """
 
 from __future__ import annotations
@@ -9,154 +9,50 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import resource
-import signal
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.experimental.events_executor import EventsExecutor
-from rclpy.signals import SignalHandlerOptions
-from std_msgs.msg import Float64MultiArray
+from children import BIN, Child, Parameters, stop_all
+from listening import WAVEFORM, listening
 
-from nw_gear_common import names
-from nw_gear_common.ros import live_qos
-
-BIN = Path(sys.executable).parent
-WAVEFORM = f"{names.NAMESPACE}/{names.WAVEFORM}"
 START_LIMIT = 120.0
-END_LIMIT = 30.0
-SUBSCRIBERS = 3
-WATCHED = ("gear_sim_node: integration", "gear_monitor_node: computation")
+FIXED = "rated"
+"""Preset for the runs that shouldn't wait for the wind."""
+Wanted = list[tuple[str, Parameters]]
 
 
-class Child:
-    """One executable as a process whose CPU time is known when it has ended."""
-
-    def __init__(self, name: str, parameters: dict[str, str], log: Path) -> None:
-        self.name = name
-        arguments = [part for key, value in parameters.items() for part in ("-p", f"{key}:={value}")]
-        with log.open("wb") as output:
-            command = [str(BIN / name), "--ros-args", *arguments]
-            self._process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
-        self._began = time.monotonic()
-        self.cpu = float("nan")
-        self.share = float("nan")
-        self.code: int | None = None
-
-    def look(self) -> bool:
-        """Whether it still runs; notes CPU time (s), its share of the life (1) and exit code when it has ended."""
-        if self.code is None:
-            pid, status, usage = os.wait4(self._process.pid, os.WNOHANG)
-            if pid:
-                self.code = self._process.returncode = os.waitstatus_to_exitcode(status)
-                self.cpu = usage.ru_utime + usage.ru_stime
-                self.share = self.cpu / (time.monotonic() - self._began)
-        return self.code is None
-
-    def stop(self) -> None:
-        """Ask it to end and wait; kill it after END_LIMIT."""
-        if self.look():
-            self._process.send_signal(signal.SIGINT)
-        end = time.monotonic() + END_LIMIT
-        while self.look():
-            if time.monotonic() > end:
-                self._process.kill()
-            time.sleep(0.05)
-
-
-@dataclass
-class Listener:
-    """What arrived at a subscriber of the waveform, and what the nodes said about themselves."""
-
-    first: tuple[float, float] | None = None
-    last: tuple[float, float] = (0.0, 0.0)
-    blocks: int = 0
-    samples: int = 0
-    missing: int = 0
-    largest_delay: float = 0.0
-    period: float = 0.0
-    said: dict[str, dict[str, str]] = field(default_factory=dict)
-
-    def waveform(self, message: Float64MultiArray) -> None:
-        """Take in one block: its stamps (s) against the last one's and against the clock."""
-        now = time.time()
-        rows, columns = (dimension.size for dimension in message.layout.dim)
-        stamps = np.frombuffer(message.data).reshape(rows, columns)[:, 0]
-        self.period = float(stamps[-1] - stamps[0]) / (rows - 1)
-        if self.first is None:
-            self.first = (float(stamps[0]), now)
-        else:
-            self.missing += round((float(stamps[0]) - self.last[0]) / self.period) - 1
-        self.last = (float(stamps[-1]), now)
-        self.blocks += 1
-        self.samples += rows
-        self.largest_delay = max(self.largest_delay, now - float(stamps[-1]))
-
-    def diagnostics(self, array: DiagnosticArray) -> None:
-        """Keep the last word of each node that says how it is doing."""
-        for status in array.status:
-            if status.name in WATCHED:
-                self.said[status.name] = {"message": status.message, **{v.key: v.value for v in status.values}}
-
-    def result(self) -> dict[str, Any]:
-        """The figures of one run."""
-        first = self.first or (0.0, 0.0)
-        simulated = self.last[0] - first[0] + self.period
+def run(wanted: Wanted, simulated: float, folder: Path) -> dict[str, Any]:
+    """Start executables, the simulator first among those that count, and listen until it ends by itself."""
+    with listening() as (listener, take):
+        children = [Child(name, parameters, folder / f"{name}.log") for name, parameters in wanted]
+        simulator = next(child for child in children if child.name == "gear_sim_node")
+        limit = time.monotonic() + START_LIMIT + 3.0 * simulated
+        try:
+            while simulator.look() and time.monotonic() < limit:
+                take(0.1)
+            take(0.1)
+        finally:
+            stop_all(children)
+        to_first = listener.first[1] - simulator.began if listener.first else None
         return {
-            "blocks": self.blocks,
-            "lost_blocks": round(self.missing * self.blocks / max(self.samples, 1)),
-            "missing_samples": self.missing,
-            "simulated_s": simulated,
-            "wall_s": self.last[1] - first[1] + simulated / max(self.blocks, 1),
-            "delay_at_end_s": self.last[1] - self.last[0],
-            "largest_delay_s": self.largest_delay,
-            "said": self.said,
+            **listener.result(),
+            "to_first_block_s": to_first,
+            "delay_s": listener.largest_delay,
+            "processes": {
+                child.name: {
+                    "cpu_s": child.cpu,
+                    "cpu_share": child.share,
+                    "memory_mb": child.memory,
+                    "exit_code": child.code,
+                }
+                for child in children
+            },
         }
-
-
-def start(folder: Path, duration: float, config: str) -> list[Child]:
-    """Start the four nodes; the simulator waits for monitor, recorder and the listener."""
-    chosen = {"config": config} if config else {}
-    wanted: list[tuple[str, dict[str, str]]] = [
-        ("recorder_node", {"uri": str(folder / "recording")}),
-        ("gear_monitor_node", chosen),
-        ("gear_sim_node", {**chosen, "duration": f"{duration:.3f}", "wait_for": str(SUBSCRIBERS)}),
-        ("wind_node", {"seed": "1", **chosen}),
-    ]
-    return [Child(name, parameters, folder / f"{name}.log") for name, parameters in wanted]
-
-
-def listen(children: list[Child], duration: float) -> Listener:
-    """Take in everything until the simulator has ended by itself."""
-    listener = Listener()
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node("benchmark")
-    executor = EventsExecutor()
-    executor.add_node(node)
-    node.create_subscription(
-        Float64MultiArray,
-        WAVEFORM,
-        listener.waveform,
-        live_qos(names.WAVEFORM_BLOCKS_PER_SECOND),
-    )
-    node.create_subscription(DiagnosticArray, names.DIAGNOSTICS, listener.diagnostics, live_qos(50))
-    simulator = next(child for child in children if child.name == "gear_sim_node")
-    limit = time.monotonic() + START_LIMIT + 3.0 * duration
-    while simulator.look() and time.monotonic() < limit:
-        executor.spin_once(timeout_sec=0.1)
-    executor.remove_node(node)
-    executor.shutdown()
-    node.destroy_node()
-    rclpy.try_shutdown()
-    return listener
 
 
 def recorded_blocks(recording: Path) -> int | None:
@@ -169,65 +65,92 @@ def recorded_blocks(recording: Path) -> int | None:
     return None if count is None else int(count)
 
 
-def measure(duration: float, config: str) -> dict[str, Any]:
-    """Run the suite for some simulated seconds and return the figures."""
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+def start(repeats: int) -> dict[str, Any]:
+    """Time from the start of the simulator's process to its first block at a subscriber that is there already."""
+    parameters = {"config": FIXED, "wait_for": "1", "duration": "0.1"}
+    times = []
+    for _ in range(repeats):
+        with tempfile.TemporaryDirectory() as name:
+            times.append(run([("gear_sim_node", parameters)], 0.1, Path(name))["to_first_block_s"])
+    return {"median_s": statistics.median(times), "largest_s": max(times), "repeats": repeats}
+
+
+def real_time(duration: float, config: str) -> dict[str, Any]:
+    """Wind, simulator, monitor and recorder in step with the wall."""
+    chosen = {"config": config} if config else {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        children = start(folder, duration, config)
-        try:
-            listener = listen(children, duration)
-        finally:
-            for child in sorted(children, key=lambda child: child.name == "recorder_node"):
-                child.stop()
-        own = resource.getrusage(resource.RUSAGE_SELF)
-        return {
-            "duration_s": duration,
-            "config": config or "default",
-            "cores": os.cpu_count(),
-            **listener.result(),
-            "recorded_blocks": recorded_blocks(folder / "recording"),
-            "exit_codes": {child.name: child.code for child in children},
-            "cpu_s": {**{child.name: child.cpu for child in children}, "listener": own.ru_utime + own.ru_stime},
-            "cpu_share": {child.name: child.share for child in children},
-        }
+        wanted: Wanted = [
+            ("recorder_node", {"uri": str(folder / "recording")}),
+            ("gear_monitor_node", chosen),
+            ("gear_sim_node", {**chosen, "duration": f"{duration:.3f}", "wait_for": "3"}),
+            ("wind_node", {"seed": "1", **chosen}),
+        ]
+        result = run(wanted, duration, folder)
+        return {**result, "recorded_blocks": recorded_blocks(folder / "recording")}
 
 
-def table(result: dict[str, Any]) -> str:
-    """The figures for people."""
-    lines = [
-        f"simulated                  {result['simulated_s']:.3f} s in {result['wall_s']:.3f} s of wall time, "
-        f"{result['cores']} cores, configuration {result['config']}",
-        f"blocks at the subscriber   {result['blocks']}, lost {result['lost_blocks']}",
-        f"blocks in the recording    {result['recorded_blocks']}",
-        f"delay of a block           {result['delay_at_end_s']:.3f} s at the end",
-        f"                           {result['largest_delay_s']:.3f} s at most",
-        "process                    CPU (s)   of a core   exit code",
+def unpaced(duration: float, *, recorded: bool) -> dict[str, Any]:
+    """The simulator as fast as it goes, at a fixed operating point."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        subscribers = "2" if recorded else "1"
+        simulator = {"config": FIXED, "real_time_factor": "0.0", "duration": f"{duration:.3f}", "wait_for": subscribers}
+        wanted: Wanted = [("recorder_node", {"uri": str(folder / "recording")})] if recorded else []
+        result = run([*wanted, ("gear_sim_node", simulator)], duration, folder)
+        return {**result, "recorded_blocks": recorded_blocks(folder / "recording")} if recorded else result
+
+
+def lines(title: str, result: dict[str, Any]) -> list[str]:
+    """The figures of a run for people."""
+    out = [
+        f"{title}: {result['simulated_s']:.2f} s at {result['real_time_factor']:.2f} times real time",
+        f"  blocks at the subscriber {result['blocks']}, lost {result['lost_blocks']}"
+        + (f"; in the recording {result['recorded_blocks']}" if "recorded_blocks" in result else ""),
+        f"  integration takes {100 * (result['integration_share'] or float('nan')):.1f} % of a core (median)",
     ]
-    for name, share in result["cpu_share"].items():
-        lines.append(
-            f"  {name:<24} {result['cpu_s'][name]:>7.1f}   {100 * share:>7.1f} %   {result['exit_codes'][name]}"
+    for name, process in result["processes"].items():
+        out.append(
+            f"  {name:<18} CPU {process['cpu_s']:6.1f} s ({100 * process['cpu_share']:5.1f} % of a core), "
+            f"memory {process['memory_mb']:4.0f} MB, exit code {process['exit_code']}"
         )
-    lines.append(f"  {'listener (this process)':<24} {result['cpu_s']['listener']:>7.1f}")
-    lines += [f"{name}: {', '.join(f'{k} {v}' for k, v in values.items())}" for name, values in result["said"].items()]
-    return "\n".join(lines)
+    return out
 
 
 def main() -> None:
-    """Measure once; the table goes to standard error, the JSON object to standard output or a file."""
+    """Measure once."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--duration", type=float, default=60.0, help="simulated seconds (60)")
-    parser.add_argument("--config", default="", help="configuration laid over the default one")
+    parser.add_argument("--duration", type=float, default=60.0, help="seconds in real time (60)")
+    parser.add_argument("--unpaced", type=float, default=120.0, help="simulated seconds as fast as possible (120)")
+    parser.add_argument("--starts", type=int, default=5, help="starts of the simulator (5)")
+    parser.add_argument("--config", default="", help="configuration in real time, laid over the default one")
     parser.add_argument("-o", "--output", type=Path, help="file for the JSON object")
     arguments = parser.parse_args()
-    result = measure(arguments.duration, arguments.config)
-    print(table(result), file=sys.stderr)
-    text = json.dumps(result)
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+    result: dict[str, Any] = {"cores": os.cpu_count(), "load": os.getloadavg()[0]}
+    text = [f"{result['cores']} cores, load {result['load']:.2f} at the start"]
+    if arguments.starts:
+        result["start"] = start(arguments.starts)
+        text.append(
+            f"start to first block: {result['start']['median_s']:.2f} s, {result['start']['largest_s']:.2f} s at most"
+        )
+    if arguments.duration:
+        result["real_time"] = real_time(arguments.duration, arguments.config)
+        text += lines("real time", result["real_time"])
+        text.append(f"  delay of a block {result['real_time']['delay_s']:.3f} s at most")
+        for name, values in result["real_time"]["said"].items():
+            text.append(f"  {name}: {', '.join(f'{k} {v}' for k, v in values.items())}")
+    if arguments.unpaced:
+        result["unpaced"] = unpaced(arguments.unpaced, recorded=False)
+        result["unpaced_recorded"] = unpaced(arguments.unpaced, recorded=True)
+        text += lines("as fast as possible", result["unpaced"])
+        text += lines("as fast as possible, recorded", result["unpaced_recorded"])
+    print("\n".join(text), file=sys.stderr)
     if arguments.output is not None:
-        arguments.output.write_text(text + "\n", encoding="utf-8")
+        arguments.output.write_text(json.dumps(result) + "\n", encoding="utf-8")
     else:
-        print(text)
+        print(json.dumps(result))
 
 
 if __name__ == "__main__":
