@@ -25,7 +25,7 @@ from nw_gear_sim.physics.engagement import EngagementLaw, engage
 from nw_gear_sim.physics.mesh import Indices, empty_rows
 from nw_gear_sim.physics.ring import RingLaw
 
-KNOTS = 32
+KNOTS = 64
 """Positions within a segment at which the contact is tabulated."""
 
 FAMILIES = ("A", "B", "axial A", "axial B")

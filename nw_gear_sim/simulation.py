@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,16 +14,18 @@ from nw_gear_common.errors import InputError, NwGearError
 from nw_gear_common.tables import Array
 from nw_gear_sim import config, model, stepping
 from nw_gear_sim.assembly import start_phases
+from nw_gear_sim.bounds import check_step
 from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.friction import empty_table, fill_table
+from nw_gear_sim.solvers import make_solver
 
 STARTS = ("equilibrium", "zero")
 EXCITATIONS = ("kinematic", "tied")
-LARGEST_DISPLACEMENT = 0.1
-"""A displacement beyond this (m) means that the integration has diverged; vibrations stay below a millimetre."""
+INTEGRATORS = ("gautschi", "etdrk4", "rk4")
+CHECKPOINT_VERSION = 1
 
 
 class Divergence(NwGearError):
@@ -72,7 +76,7 @@ class Block:
 
 
 class Simulation:
-    """Integrates the gearbox with steps of `numerics.step` by the classical Runge-Kutta method.
+    """Integrates the gearbox with steps of `numerics.step` by the method of `numerics.integrator`.
 
     Args:
         configuration: of the gearbox.
@@ -84,7 +88,8 @@ class Simulation:
         sample_rate: samples per second; a whole number of steps lies between samples.
 
     Raises:
-        InputError: wrong start or excitation, or the sample rate doesn't fit the step.
+        InputError: wrong start or excitation, the sample rate doesn't fit the step, or the step is beyond the
+            integrator's bound.
         NoEquilibrium: no static equilibrium was found.
     """
 
@@ -97,10 +102,73 @@ class Simulation:
         excitation: str = "kinematic",
         sample_rate: float = 5120.0,
     ) -> None:
-        for place, value, choices in (("start", start, STARTS), ("excitation", excitation, EXCITATIONS)):
-            if value not in choices:
-                raise InputError(place, " or ".join(choices), value)
+        if start not in STARTS:
+            raise InputError("start", " or ".join(STARTS), start)
+        self._prepare(configuration, drive.speed_start, excitation, sample_rate)
+        size = self.gearbox.layout.size
+        if start == "equilibrium":
+            q = find_equilibrium(self.gearbox, drive.torque_start, speed=drive.speed_start).q
+        else:
+            q = np.zeros(size)
+        interval = model.Interval(
+            0.0, drive.speed_start, drive.speed_start, drive.torque_start, drive.torque_start, 1 / sample_rate
+        )
+        self._solver = make_solver(configuration, self.gearbox, interval, self._table, q)
+        most = max(drive.torque_start, configuration.turbine.rated_torque)
+        check_step(self._solver, self.gearbox, configuration.numerics.step, most, configuration.turbine.rated_speed)
+
+    @classmethod
+    def resume(
+        cls,
+        configuration: Configuration,
+        checkpoint: Mapping[str, Any],
+        *,
+        excitation: str = "kinematic",
+        sample_rate: float = 5120.0,
+    ) -> Simulation:
+        """Go on from a checkpoint, bit for bit as the simulation that made it would have (on the same machine).
+
+        Args:
+            configuration, excitation, sample_rate: as they were.
+            checkpoint: of `checkpoint`.
+
+        Raises:
+            InputError: the checkpoint is of another kind of simulation; the first difference is named.
+        """
+        simulation = cls.__new__(cls)
+        simulation._prepare(configuration, float(checkpoint["speed"]), excitation, sample_rate)
+        simulation._angle = float(checkpoint["angle"])
+        simulation._samples = int(checkpoint["samples"])
+        rest = np.zeros(simulation.gearbox.layout.size)
+        interval = model.Interval(simulation._angle, 0.0, 0.0, 0.0, 0.0, 1 / sample_rate)
+        simulation._solver = make_solver(configuration, simulation.gearbox, interval, simulation._table, rest)
+        for name, here in simulation._identity().items():
+            if name not in checkpoint or checkpoint[name] != here:
+                raise InputError(f"checkpoint: {name}", str(here), str(checkpoint.get(name, "nothing")))
+        state = {name.removeprefix("state."): value for name, value in checkpoint.items() if name.startswith("state.")}
+        simulation._solver.restore(state)
+        return simulation
+
+    def checkpoint(self) -> dict[str, Any]:
+        """Return all that the future depends on: arrays (float64) and plain numbers and texts."""
+        state = {f"state.{name}": value for name, value in self._solver.state().items()}
+        return {**self._identity(), "angle": self._angle, "samples": self._samples, "speed": self._table_speed, **state}
+
+    def _identity(self) -> dict[str, Any]:
+        return {
+            "version": CHECKPOINT_VERSION,
+            "integrator": self._solver.name,
+            "step": 1 / (self.sample_rate * self._steps_per_sample),
+            "sample_rate": self.sample_rate,
+            "excitation": self._excitation,
+            "degrees_of_freedom": self.gearbox.layout.size,
+        }
+
+    def _prepare(self, configuration: Configuration, speed: float, excitation: str, sample_rate: float) -> None:
+        if excitation not in EXCITATIONS:
+            raise InputError("excitation", " or ".join(EXCITATIONS), excitation)
         self._steps_per_sample = steps_per_sample(configuration.numerics.step, sample_rate)
+        self._excitation = excitation
         self.sample_rate = sample_rate
         self.gearbox = Gearbox(configuration, excitation)
         self._angle = 0.0
@@ -108,14 +176,18 @@ class Simulation:
         self._start_phase = np.array(start_phases(self.gearbox.kinematics))
         self._readings = _Readings(configuration, self.gearbox)
         self._table, self._next_table = empty_table(), empty_table()
-        self._table_speed = drive.speed_start
-        fill_table(self.gearbox.laws.friction, drive.speed_start, self._table)
-        size = self.gearbox.layout.size
-        self.v = np.zeros(size)
-        if start == "equilibrium":
-            self.q = find_equilibrium(self.gearbox, drive.torque_start, speed=drive.speed_start).q.copy()
-        else:
-            self.q = np.zeros(size)
+        self._table_speed = speed
+        fill_table(self.gearbox.laws.friction, speed, self._table)
+
+    @property
+    def q(self) -> Array:
+        """Displacements now, as in `layout`, m; where the ring is reduced, those of the modes kept."""
+        return self._solver.q
+
+    @property
+    def v(self) -> Array:
+        """Velocities now, as in `layout`, m/s."""
+        return self._solver.v
 
     @property
     def time(self) -> float:
@@ -139,7 +211,6 @@ class Simulation:
         if samples < 1:
             raise InputError("samples", "at least 1", str(samples))
         self._fill_tables(drive)
-        laws = self.gearbox.laws
         interval = model.Interval(
             self._angle,
             drive.speed_start,
@@ -148,24 +219,12 @@ class Simulation:
             drive.torque_end,
             samples / self.sample_rate,
         )
-        course = stepping.new_course(laws, samples)
-        steps = samples * self._steps_per_sample
-        done = stepping.advance(
-            laws,
-            self._table,
-            self._next_table,
-            interval,
-            self._steps_per_sample,
-            LARGEST_DISPLACEMENT,
-            self.q,
-            self.v,
-            self.gearbox.instants,
-            self.gearbox.work,
-            course,
-        )
-        if stepping.out_of_bounds(self.q, LARGEST_DISPLACEMENT) >= 0:
-            raise self._divergence(done)
-        block = self._block(samples, interval, course, steps)
+        course = stepping.new_course(self.gearbox.laws, samples)
+        done = self._solver.advance(interval, (self._table, self._next_table), course, self._steps_per_sample)
+        lost = self._solver.lost()
+        if lost is not None:
+            raise self._divergence(done, *lost)
+        block = self._block(samples, interval, course, samples * self._steps_per_sample)
         self._angle += 0.5 * (drive.speed_start + drive.speed_end) * interval.duration
         self._samples += samples
         self._table, self._next_table = self._next_table, self._table
@@ -181,11 +240,9 @@ class Simulation:
         else:
             fill_table(friction, drive.speed_end, self._next_table)
 
-    def _divergence(self, done: int) -> Divergence:
-        k = int(stepping.out_of_bounds(self.q, LARGEST_DISPLACEMENT))
+    def _divergence(self, done: int, state: str, value: float) -> Divergence:
         step = self._samples * self._steps_per_sample + done
-        time = step / (self.sample_rate * self._steps_per_sample)
-        return Divergence(time, self.gearbox.layout.name(k), float(self.q[k]), step)
+        return Divergence(step / (self.sample_rate * self._steps_per_sample), state, value, step)
 
     def _block(self, samples: int, interval: model.Interval, course: stepping.Course, steps: int) -> Block:
         index = np.arange(samples)
@@ -252,11 +309,18 @@ def steps_per_sample(step: float, sample_rate: float) -> int:
     return round(ratio)
 
 
-def compile_kernels() -> None:
-    """Compile everything that `Simulation` calls, or load it from numba's cache, so that later calls don't wait."""
+def compile_kernels(*integrators: str) -> None:
+    """Compile everything that `Simulation` calls, or load it from numba's cache, so that later calls don't wait.
+
+    Args:
+        integrators: those that will be used; all if none is named.
+    """
     drive = Drive(1.8, 1.8, 4e6, 4e6)
-    simulation = Simulation(config.load(), drive, start="zero")
-    simulation.advance(1, drive)
+    for integrator in integrators or INTEGRATORS:
+        simulation = Simulation(
+            config.with_values({"numerics.integrator": integrator}, config.load()), drive, start="zero"
+        )
+        simulation.advance(1, drive)
     simulation.gearbox.set_instant(drive.torque_start, drive.speed_start)
     simulation.gearbox.forces(simulation.q, simulation.v)
     simulation.gearbox.stiffness(simulation.q)

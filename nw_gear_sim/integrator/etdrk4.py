@@ -7,7 +7,7 @@ ETDRK4-B). With A = [[0, 1], [-square, -gamma]], b = (0, 1) and phi_k of h A:
     z_2 = e^{hA/2} z + h/2 phi_1(hA/2) b f_1
     z_3 = e^{hA/2} z + h/2 (phi_1 - 2 phi_2)(hA/2) b f_1 + h phi_2(hA/2) b f_2
     z_4 = e^{hA} z + h (phi_1 - 2 phi_2) b f_1 + 2 h phi_2 b f_3
-    z' = e^{hA} z + h (phi_1 - 3 phi_2 + 4 phi_3) b f_1 + h (2 phi_2 - 4 phi_3) b (f_2 + f_3) + h (4 phi_3 - phi_2) b f_4
+    z' = e^{hA} z + h [(phi_1 - 3 phi_2 + 4 phi_3) f_1 + (2 phi_2 - 4 phi_3) (f_2 + f_3) + (4 phi_3 - phi_2) f_4] b
 """
 
 from __future__ import annotations
@@ -86,7 +86,9 @@ def proceed(stage: int, c: Coefficients, f: Array, x: Array, v: Array, x_next: A
 
 
 @fused
-def _combine(e: Array, w: Array, f: Array, g: Array, both: bool, x: Array, v: Array, x_next: Array, v_next: Array) -> None:
+def _combine(
+    e: Array, w: Array, f: Array, g: Array, both: bool, x: Array, v: Array, x_next: Array, v_next: Array
+) -> None:
     for i in range(len(x)):
         x_next[i] = e[0, i] * x[i] + e[1, i] * v[i] + w[0, i] * f[i]
         v_next[i] = e[2, i] * x[i] + e[3, i] * v[i] + w[1, i] * f[i]

@@ -32,7 +32,7 @@ class ModalInstants(NamedTuple):
     """What depends on time alone, in slots: arrays whose first axis is the slot.
 
     Attributes:
-        wheel: cosine, sine of all turning angles; of their change over a substep; and of the change of that, (6, wheels).
+        wheel: cosine, sine of what turns; of its change over a substep; and of the change of that, (6, wheels).
         turn, cage, excitation, torque: as in `model.Instants`.
         knot, share: position of the contacts in the table, (slot, 3); drift: knots passed per second, (slot,).
         soft: 1/(1 + K R) of the ring's meshes, and its rate (1/s), (slot, 3, 2); flexibility: R, m/N, (slot, 3).
@@ -253,7 +253,7 @@ def _ring_mesh(
     work: ModalWork,
     out: Array,
 ) -> None:
-    """Add the forces between the ring and planet j; `lean` is its elongation by other forces on what is left out (m)."""
+    """Add the forces between the ring and planet j; `lean`: elongation (m) by other forces on what is left out."""
     place, normal, slide, roll, _ = laws.rows
     knot, share, excitation = instants.knot[slot, j], instants.share[slot, j], instants.excitation[slot]
     table = laws.table.normal

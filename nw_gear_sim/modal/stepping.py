@@ -27,6 +27,7 @@ def advance_gautschi(
     start: Array,
     end: Array,
     interval: Interval,
+    torque_before: float,
     steps_per_sample: int,
     limit: float,
     x: Array,
@@ -41,6 +42,8 @@ def advance_gautschi(
     Args:
         laws: of the gearbox; oscillators: of the integrator, for this step.
         start, end: friction tables at the interval's ends; interval: its drive.
+        torque_before: input torque at the end of the last interval, N m; at a jump the mean of both sides counts,
+            without which the method would be of order 1.
         steps_per_sample: steps between samples.
         limit: of a displacement, m.
         x, u, before: state of the integrator, changed in place, (n,).
@@ -53,6 +56,8 @@ def advance_gautschi(
     start_wheels(laws.wheel_ratio, interval, oscillators.step, instants.wheel)
     for step in range(steps):
         set_modal_instant(laws, start, end, interval, step * oscillators.step, instants, 0)
+        if step == 0:
+            instants.torque[0] = 0.5 * (torque_before + interval.torque_start)
         gautschi.extrapolate(u, before, work.v)
         accelerate(laws, instants, 0, x, work.v, work, work.slopes[0])
         count_contacts(laws.mesh.backlash, work.contact.x, course.open, course.back)
@@ -167,3 +172,37 @@ def evaluate(
     start_wheels(laws.wheel_ratio, interval, 0.0, instants.wheel)
     set_modal_instant(laws, start, end, interval, 0.0, instants, 0)
     accelerate(laws, instants, 0, x, v, work, out)
+
+
+@kernel
+def difference(
+    laws: ModalLaws,
+    instants: ModalInstants,
+    x: Array,
+    v: Array,
+    work: ModalWork,
+    gain: Array,
+    rate_gain: float,
+    out: Array,
+) -> None:
+    """Set -d(forces per mass)/dx (1/s^2) and /dv (1/s) by central differences at the instant in slot 0.
+
+    Args:
+        laws, instants, work: of the gearbox.
+        x, v: where to differentiate; they are changed and put back.
+        gain: steps in x, (n,); rate_gain: step in v.
+        out: set here, (2, n, n).
+    """
+    above, below = work.slopes[0], work.slopes[1]
+    for by_v in range(2):
+        varied = v if by_v == 1 else x
+        for k in range(len(x)):
+            kept, step = varied[k], rate_gain if by_v == 1 else gain[k]
+            for side in range(2):
+                varied[k] = kept + step if side == 0 else kept - step
+                for mesh in range(3):
+                    work.contact.force[mesh] = 0.0  # the planets' influence on each other is left out
+                accelerate(laws, instants, 0, x, v, work, work.slopes[side])
+            varied[k] = kept
+            for i in range(len(x)):
+                out[by_v, i, k] = (below[i] - above[i]) / (2.0 * step)
