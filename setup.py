@@ -62,6 +62,7 @@ setup(
             "demo = nw_gear_common.demo:demo",
             "review = nw_gear_monitor.review.command:review",
             "info = nw_gear_monitor.records.command_info:info",
+            "modes = nw_gear_sim.commands.modes:modes",
             "equilibrium = nw_gear_sim.commands.equilibrium:equilibrium",
             "recover = nw_gear_monitor.records.command_recover:recover",
         ],

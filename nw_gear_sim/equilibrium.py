@@ -42,7 +42,9 @@ class Equilibrium:
     iterations: int
 
 
-def find_equilibrium(gearbox: Gearbox, torque: float, *, speed: float = 0.0, angle: float = 0.0) -> Equilibrium:
+def find_equilibrium(
+    gearbox: Gearbox, torque: float, *, speed: float = 0.0, angle: float = 0.0, guess: Array | None = None
+) -> Equilibrium:
     """Find q with no force left on any motion.
 
     Args:
@@ -50,6 +52,7 @@ def find_equilibrium(gearbox: Gearbox, torque: float, *, speed: float = 0.0, ang
         torque: input torque, N m.
         speed: of the ring, rad/s; it sets the friction, inertia and damping don't act.
         angle: of the ring, rad.
+        guess: displacements near the ones wanted, m; none: zero.
 
     Newton's method on the potential energy, which is convex (gaps, rollers and springs only ever stiffen), up to the
     friction. Gaps and unloaded rollers leave the stiffness matrix singular, so that a stiffness to the last position is
@@ -62,7 +65,8 @@ def find_equilibrium(gearbox: Gearbox, torque: float, *, speed: float = 0.0, ang
     """
     gearbox.set_instant(torque, speed, angle, static=True)
     rest = np.zeros(gearbox.layout.size)
-    q, added, iterations = rest.copy(), STIFFNESS_ADDED, 0
+    q = rest.copy() if guess is None else guess.copy()
+    added, iterations = STIFFNESS_ADDED if guess is None else LEAST_ADDED, 0
     force = gearbox.forces(q, rest)
     while not _largest(force) <= TOLERANCE:
         if iterations == MOST_ITERATIONS or not np.all(np.isfinite(force)):
