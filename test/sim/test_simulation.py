@@ -11,7 +11,7 @@ from nw_gear_sim.config import load, with_values
 from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
-from nw_gear_sim.simulation import Block, Divergence, Simulation, steps_per_sample
+from nw_gear_sim.simulation import INTEGRATORS, Block, Divergence, Simulation, steps_per_sample
 from test.sim.gearboxes import RATED_SPEED, RATED_TORQUE
 
 RATED = Drive(RATED_SPEED, RATED_SPEED, RATED_TORQUE, RATED_TORQUE)
@@ -161,15 +161,17 @@ def test_fractions_count_steps() -> None:
     assert np.all(simulation(backwards).advance(8, backwards).back_fraction == 1.0)
 
 
-def test_divergence_names_time_state_and_step() -> None:
-    """Twice the stable step: the ring's fastest mode grows until a displacement is no longer one."""
-    unstable = with_values({"numerics.step": 1 / 20480}, CONFIGURATION)
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_divergence_names_time_state_and_step(integrator: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Far beyond the bound, which isn't checked here: the fastest modes grow until a displacement is no longer one."""
+    monkeypatch.setattr("nw_gear_sim.simulation.check_step", lambda *arguments: None)
+    unstable = with_values({"numerics.integrator": integrator, "numerics.step": 1 / 5120}, CONFIGURATION)
     run = simulation(configuration=unstable)
     with pytest.raises(Divergence, match=r"^integration diverged at 0\.0") as caught:
         run.advance(5120, RATED)
     error = caught.value
-    assert error.state.startswith("ring")
-    assert error.step == round(error.time * 20480)
+    assert error.step == round(error.time * 5120)
+    assert error.state in str(error)
     assert not abs(error.value) <= 0.1
 
 
