@@ -135,7 +135,7 @@ class GearSimNode(Node):
     def _work(self) -> None:
         try:
             self._report(OK, "compiling")
-            compile_kernels()
+            compile_kernels(self._configuration.numerics.integrator)
             while not self._stop and self._run_epoch():
                 self.get_logger().info("reset: a new epoch begins")
             if not self._stop and not self._waveform.flush():
