@@ -29,7 +29,7 @@ from nw_gear_sim.drawings.shapes_script import SCRIPT
 from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.kinematics import PLANET_ANGLES, SHAFT_OF_BEARING, bearing_kind
 from nw_gear_sim.linear import Shapes
-from nw_gear_sim.participation import Participation, strongest
+from nw_gear_sim.participation import WORDS, Participation, strongest
 
 SHAFTS = {"p1": "planet", "p2": "planet", "s": "sun", "h1": "sun", "h2": "output"} | SHAFT_OF_BEARING
 COLOURS = {"p1": BLUE, "p2": SKY, "s": VERMILION, "h1": ORANGE, "h2": GREEN}
@@ -51,7 +51,7 @@ def shapes_page(
     """
     intro = (
         conditions,
-        "Front view: the gears' pitch circles and the ring's inner and outer edge, at rest in grey, moved in colour; "
+        "Front view: the gears' pitch circles and the ring's outer edge, at rest in grey, moved in colour; "
         "spokes show rotations. Motions are far enlarged and the largest in the plane is the same in each mode. "
         "Bearings and axial motions stand in the diagrams on the right.",
     )
@@ -116,6 +116,12 @@ def _front(sources: dict[str, ColumnDataSource]) -> figure:
     plot.toolbar.logo = None
     plot.multi_line("xs", "ys", source=sources["rest"], color="#D0D3D8", line_width=1)
     plot.multi_line("xs", "ys", source=sources["moved"], color="colour", line_width="width")
+    for kind, colour in COLOURS.items():
+        plot.line([], [], color=colour, line_width=2, legend_label=WORDS[kind])
+    plot.legend.location = "top_right"
+    plot.legend.label_text_font_size = "11px"
+    plot.legend.spacing = 0
+    plot.legend.background_fill_alpha = 0.8
     return plot
 
 
@@ -171,10 +177,10 @@ def _data(gearbox: Gearbox, shapes: Shapes, modes: Sequence[Participation], angl
     largest = np.max(np.abs(shapes.vectors), axis=0)
     vectors = shapes.vectors / largest
     ring = kinematics.ring
-    outer = 2 * ring.radius - kinematics.bodies.ring.base_radius / math.cos(kinematics.stages[0].pair.working_angle)
+    teeth = kinematics.stages[0].pair.driver
     return {
         "ring_angle": angle + ring.pitch * np.arange(ring.count),
-        "ring_radii": [2 * ring.radius - outer, outer],
+        "ring_radii": [teeth.pitch_radius, 2 * ring.radius - teeth.reference_radius],
         "ring": {k: _parts(vectors[layout.ring(k)]) for k in ("w", "v", "z")},
         "gears": _gears(gearbox, vectors),
         "bodies": ["ring", *(node.name for node in axial)],
