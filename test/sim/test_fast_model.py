@@ -12,7 +12,7 @@ from nw_gear_sim.reference.model import Instant, ReferenceModel
 from nw_gear_sim.reference.states import RATED, at_rest, model, random_state
 from test.sim.fast_model import FRICTION_ERROR, ROLLER_ERROR, FastModel
 
-ROUNDING = 5e-12
+ROUNDING = 1e-12
 """Relative to the largest force of its kind; phases of some thousand radians cost digits."""
 
 INSTANTS = [
