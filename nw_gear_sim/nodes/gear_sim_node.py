@@ -32,6 +32,9 @@ from nw_gear_sim.simulation import compile_kernels
 POLL = 0.02
 """Seconds between two looks at something that is waited for."""
 JOIN_WITHIN = 4.0
+PATIENCE = 3.0
+"""Seconds after which kernels can't have come from the cache."""
+COMPILING = "compiling kernels: this takes about a minute, and only once"
 
 
 @dataclass(frozen=True)
@@ -134,8 +137,7 @@ class GearSimNode(Node):
 
     def _work(self) -> None:
         try:
-            self._report(OK, "compiling")
-            compile_kernels(self._configuration.numerics.integrator)
+            self._compile()
             while not self._stop and self._run_epoch():
                 self.get_logger().info("reset: a new epoch begins")
             if not self._stop and not self._waveform.flush():
@@ -147,6 +149,17 @@ class GearSimNode(Node):
         except Exception as error:  # a thread that dies in silence would leave a node that does nothing
             self._stop(NwGearError(f"{type(error).__name__}: {error}"))
             raise
+
+    def _compile(self) -> None:
+        """Load the kernels; where they have to be compiled first say so, because nothing else happens meanwhile."""
+        self._report(OK, "compiling")
+        notice = threading.Timer(PATIENCE, self.get_logger().info, [COMPILING])
+        notice.daemon = True
+        notice.start()
+        try:
+            compile_kernels(self._configuration.numerics.integrator)
+        finally:
+            notice.cancel()
 
     def _run_epoch(self) -> bool:
         """Run from the initial state until a reset (True) or the end (False)."""
