@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.compiled import fused
+from nw_gear_sim.batch.lanes import LANES, of
+from nw_gear_sim.compiled import apart
 
 Indices = npt.NDArray[np.int64]
 
@@ -21,34 +22,34 @@ PHASES = 256
 """Phases in a mesh period that have an entry in the table of friction, as in `physics.friction`."""
 STAGE = (0, 0, 0, 1, 1, 1, 2)
 """Stage of each mesh."""
+_COS, _SIN = math.cos(2.0 * math.pi / 3.0), math.sin(2.0 * math.pi / 3.0)
 
 
 class GearRows(NamedTuple):
-    """How gears touch: places of u, x, y, z (contacts, 4); mesh of each contact; rows with points in the last axis.
+    """How gears touch: mesh of each contact; places of u, x, y, z (contacts, 4); rows read by `lanes.of`.
 
     Attributes:
-        normal: (contacts, 4, lanes); slide: u, x, y, (contacts, 3, lanes); roll: u, (contacts, lanes).
+        normal: (4 contacts); slide: of u, x, y, (3 contacts); roll: of u, (contacts).
     """
 
-    place: Indices
     mesh: Indices
+    place: Indices
     normal: Array
     slide: Array
     roll: Array
 
 
 class MeshLaw(NamedTuple):
-    """Data of the seven meshes, arrays of shape (7, lanes) if not said otherwise.
+    """Data of the seven meshes, flat arrays (7, lanes) if not said otherwise.
 
     Attributes:
         stiffness, swing: K = stiffness + swing cos psi, N/m.
         error_mean, error_swing: e = error_mean + error_swing sin psi, m; error_rate: error_swing psi', m/s.
-        turn_cos, turn_sin: rotation of psi in one step.
         backlash: m; damping: N s/m; gap_damping: share of it that acts in the gap, 0 or 1.
         flexible, beside: phi and that by the force of another planet, m/N.
         per_step: 1 / (2 h), 1/s.
         start, advance: of the friction phase, in turns, and in one step.
-        table: shares g and g_1 (m), (3, PHASES + 1, 2, lanes).
+        table: shares g and g_1 (m), (3, lanes, PHASES + 1, 2).
         gears: rows of the gears.
     """
 
@@ -57,8 +58,6 @@ class MeshLaw(NamedTuple):
     error_mean: Array
     error_swing: Array
     error_rate: Array
-    turn_cos: Array
-    turn_sin: Array
     backlash: Array
     damping: Array
     gap_damping: Array
@@ -72,17 +71,15 @@ class MeshLaw(NamedTuple):
 
 
 class MeshState(NamedTuple):
-    """What the meshes do, arrays of shape (7, lanes).
+    """What the meshes do, flat arrays (7, lanes).
 
     Attributes:
-        cos, sin: of psi.
         y: elongation by the motions alone, m; moved, before: by how much in the last step and the one before.
         x, force, sliding, rolling: elongation (m), force (N) and friction forces of the last evaluation.
         open, back: steps without load, and with load on the back flanks.
+        place, share: of the friction phase in the table, scratch.
     """
 
-    cos: Array
-    sin: Array
     y: Array
     moved: Array
     before: Array
@@ -92,97 +89,102 @@ class MeshState(NamedTuple):
     rolling: Array
     open: Array
     back: Array
+    place: Array
+    share: Array
 
 
-@fused
-def elongate(law: MeshLaw, x: Array, ring: Array, y: Array, state: MeshState) -> None:
-    """Set the elongations y by the motions, m, (7, lanes).
+@apart
+def elongate(law: MeshLaw, x: Array, ring: Array, y: Array, force: Array) -> None:
+    """Set the elongations y by the motions, m, flat (7, lanes).
 
     Args:
         law: of the meshes.
-        x: displacements of gears, m, (motions, lanes).
-        ring: sums over the ring's modes, (3, lanes): class 0, and real and imaginary part of class 1.
+        x: displacements of gears, m, flat (motions, lanes).
+        ring: sums over the ring's modes, of `ringstep.step_ring`.
         y: set here.
-        state: its forces of the last evaluation count for the ring's flexibility from planet to planet.
+        force: of the last evaluation, for the ring's flexibility from planet to planet.
     """
-    lanes = x.shape[1]
-    for mesh in range(3):
-        cos, sin = math.cos(2.0 * math.pi / 3.0 * mesh), math.sin(2.0 * math.pi / 3.0 * mesh)
-        for lane in range(lanes):
-            pushed = state.force[0, lane] + state.force[1, lane] + state.force[2, lane]
-            own = ring[0, lane] + cos * ring[1, lane] - sin * ring[2, lane]
-            y[mesh, lane] = own - law.beside[mesh, lane] * pushed
-    for mesh in range(3, 7):
-        for lane in range(lanes):
-            y[mesh, lane] = 0.0
+    for lane in range(LANES):
+        pushed = force[lane] + force[LANES + lane] + force[2 * LANES + lane]
+        shift = ring[lane] - law.beside[lane] * pushed
+        real, imaginary = ring[LANES + lane], ring[2 * LANES + lane]
+        y[lane] = shift + real
+        y[LANES + lane] = shift + _COS * real - _SIN * imaginary
+        y[2 * LANES + lane] = shift + _COS * real + _SIN * imaginary
+    for i in range(3 * LANES, 7 * LANES):
+        y[i] = 0.0
     gears = law.gears
     for g in range(len(gears.mesh)):
-        i, j, k, m = gears.place[g]
-        mesh = gears.mesh[g]
-        for lane in range(lanes):
-            y[mesh, lane] += (
-                gears.normal[g, 0, lane] * x[i, lane]
-                + gears.normal[g, 1, lane] * x[j, lane]
-                + gears.normal[g, 2, lane] * x[k, lane]
-                + gears.normal[g, 3, lane] * x[m, lane]
+        at, i, j = gears.mesh[g] * LANES, gears.place[g, 0] * LANES, gears.place[g, 1] * LANES
+        k, m = gears.place[g, 2] * LANES, gears.place[g, 3] * LANES
+        for lane in range(LANES):
+            y[at + lane] += (
+                of(gears.normal, 4 * g, lane) * x[i + lane]
+                + of(gears.normal, 4 * g + 1, lane) * x[j + lane]
+                + of(gears.normal, 4 * g + 2, lane) * x[k + lane]
+                + of(gears.normal, 4 * g + 3, lane) * x[m + lane]
             )
 
 
-@fused
-def load_meshes(law: MeshLaw, step: float, state: MeshState) -> None:
-    """Set the forces at the elongations `state.y`, the number of the step giving the phase of friction."""
-    size = state.y.size
-    stiffness, swing = law.stiffness.reshape(size), law.swing.reshape(size)
-    error_mean, error_swing = law.error_mean.reshape(size), law.error_swing.reshape(size)
-    error_rate, backlash = law.error_rate.reshape(size), law.backlash.reshape(size)
-    damping, gap_damping, flexible = law.damping.reshape(size), law.gap_damping.reshape(size), law.flexible.reshape(size)
-    start, advance, table = law.start.reshape(size), law.advance.reshape(size), law.table.reshape(law.table.size)
-    cos, sin, y = state.cos.reshape(size), state.sin.reshape(size), state.y.reshape(size)
-    moved, before, x = state.moved.reshape(size), state.before.reshape(size), state.x.reshape(size)
-    force, sliding, rolling = state.force.reshape(size), state.sliding.reshape(size), state.rolling.reshape(size)
-    opened, back = state.open.reshape(size), state.back.reshape(size)
-    lanes = state.y.shape[1]
+@apart
+def load_meshes(law: MeshLaw, step: float, psi: Array, state: MeshState) -> None:
+    """Set the forces at the elongations `state.y`.
+
+    Args:
+        law: of the meshes.
+        step: number of the step, which gives the phase of friction.
+        psi: cosine and sine of psi, flat (2, 7, lanes).
+        state: changed in place.
+    """
+    _rub(law, step, state)
+    for i in range(7 * LANES):
+        stiffness = law.stiffness[i] + law.swing[i] * psi[i]
+        elongation = state.y[i] + law.error_mean[i] + law.error_swing[i] * psi[7 * LANES + i]
+        rate = (3.0 * state.moved[i] - state.before[i]) * law.per_step + law.error_rate[i] * psi[i]
+        softer = 1.0 / (1.0 + law.flexible[i] * stiffness)
+        touching = abs(elongation) > law.backlash[i]
+        damped = law.damping[i] * rate * (softer if touching else law.gap_damping[i])
+        elongation -= law.flexible[i] * damped
+        elastic = stiffness * softer * max(abs(elongation) - law.backlash[i], 0.0)
+        pointed = math.copysign(elastic, elongation)
+        state.x[i] = elongation - law.flexible[i] * pointed
+        state.force[i] = pointed + damped
+        state.sliding[i] *= elastic
+        state.rolling[i] *= elastic
+        state.open[i] += 0.0 if elastic > 0.0 else 1.0
+        state.back[i] += 1.0 if pointed < 0.0 else 0.0
+
+
+@apart
+def _rub(law: MeshLaw, step: float, state: MeshState) -> None:
+    """Set g and g_1 of all meshes."""
+    for i in range(7 * LANES):
+        turns = law.start[i] + law.advance[i] * step
+        place = (turns - math.floor(turns)) * PHASES
+        whole = min(math.floor(place), PHASES - 1.0)
+        state.place[i] = whole
+        state.share[i] = place - whole
     for mesh in range(7):
         stage = STAGE[mesh]
-        for lane in range(lanes):
-            i = mesh * lanes + lane
-            turns = start[i] + advance[i] * step
-            place = (turns - math.floor(turns)) * PHASES
-            k = min(int(place), PHASES - 1)
-            share = place - k
-            at = ((stage * (PHASES + 1) + k) * 2) * lanes + lane
-            sliding[i] = table[at] + share * (table[at + 2 * lanes] - table[at])
-            rolling[i] = table[at + lanes] + share * (table[at + 3 * lanes] - table[at + lanes])
-    for i in range(size):
-        k_now = stiffness[i] + swing[i] * cos[i]
-        elongation = y[i] + error_mean[i] + error_swing[i] * sin[i]
-        rate = (3.0 * moved[i] - before[i]) * law.per_step + error_rate[i] * cos[i]
-        softer = 1.0 / (1.0 + flexible[i] * k_now)
-        touching = abs(elongation) > backlash[i]
-        damped = damping[i] * rate * (softer if touching else gap_damping[i])
-        elongation -= flexible[i] * damped
-        elastic = k_now * softer * max(abs(elongation) - backlash[i], 0.0)
-        pointed = math.copysign(elastic, elongation)
-        x[i] = elongation - flexible[i] * pointed
-        force[i] = pointed + damped
-        sliding[i] *= elastic
-        rolling[i] *= elastic
-        opened[i] += 0.0 if elastic > 0.0 else 1.0
-        back[i] += 1.0 if pointed < 0.0 else 0.0
+        for lane in range(LANES):
+            i = mesh * LANES + lane
+            k, share = np.uint64(state.place[i]), state.share[i]
+            after = k + np.uint64(1)
+            near, far = law.table[stage, lane, k, 0], law.table[stage, lane, k, 1]
+            state.sliding[i] = near + share * (law.table[stage, lane, after, 0] - near)
+            state.rolling[i] = far + share * (law.table[stage, lane, after, 1] - far)
 
 
-@fused
-def add_gear_forces(law: MeshLaw, state: MeshState, force: Array) -> None:
-    """Add the meshes' forces to those on the gears, N, (motions, lanes)."""
-    gears = law.gears
+@apart
+def add_gear_forces(gears: GearRows, pushed: Array, slid: Array, rolled: Array, force: Array) -> None:
+    """Add the meshes' forces, flat (7, lanes), to those on the gears, N, flat (motions, lanes)."""
     for g in range(len(gears.mesh)):
-        i, j, k, m = gears.place[g]
-        mesh = gears.mesh[g]
-        for lane in range(force.shape[1]):
-            pushed, slid, rolled = state.force[mesh, lane], state.sliding[mesh, lane], state.rolling[mesh, lane]
-            force[i, lane] += (
-                gears.slide[g, 0, lane] * slid + gears.roll[g, lane] * rolled - gears.normal[g, 0, lane] * pushed
-            )
-            force[j, lane] += gears.slide[g, 1, lane] * slid - gears.normal[g, 1, lane] * pushed
-            force[k, lane] += gears.slide[g, 2, lane] * slid - gears.normal[g, 2, lane] * pushed
-            force[m, lane] -= gears.normal[g, 3, lane] * pushed
+        at, i, j = gears.mesh[g] * LANES, gears.place[g, 0] * LANES, gears.place[g, 1] * LANES
+        k, m = gears.place[g, 2] * LANES, gears.place[g, 3] * LANES
+        for lane in range(LANES):
+            push, slide = pushed[at + lane], slid[at + lane]
+            rubbed = of(gears.slide, 3 * g, lane) * slide + of(gears.roll, g, lane) * rolled[at + lane]
+            force[i + lane] += rubbed - of(gears.normal, 4 * g, lane) * push
+            force[j + lane] += of(gears.slide, 3 * g + 1, lane) * slide - of(gears.normal, 4 * g + 1, lane) * push
+            force[k + lane] += of(gears.slide, 3 * g + 2, lane) * slide - of(gears.normal, 4 * g + 2, lane) * push
+            force[m + lane] -= of(gears.normal, 4 * g + 3, lane) * push

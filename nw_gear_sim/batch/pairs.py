@@ -102,7 +102,12 @@ def _pairs(laws: Laws, modes: RingModes) -> list[tuple[Key, Pair, bool]]:
         if edge and family == 1:
             amplitudes = (0.0, -share * float(v @ cos), -share * float(p @ cos), 0.0)
         else:
-            amplitudes = (share * float(w @ cos), share * float(v @ sin), share * float(p @ sin), share * float(z @ cos))
+            amplitudes = (
+                share * float(w @ cos),
+                share * float(v @ sin),
+                share * float(p @ sin),
+                share * float(z @ cos),
+            )
         kind = 1 if family >= 2 else (2 if family == 1 else 0)
         number = seen.get((n, kind), 0)
         seen[n, kind] = number + 1

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
@@ -94,22 +97,30 @@ def block_laws(points: Sequence[Point], step: float, angle: Array) -> stepping.L
     Args:
         points: one for each lane.
         step: of time, s.
-        angle: of the ring at step 0, rad, (lanes,).
+        angle: of the ring at step 0, rad, (LANES,).
     """
-    psi, cage = _psi(points, step, angle), _cage(points, step, angle)
+    psi = _psi(points, step, angle)
     return stepping.Laws(
         wheels=_wheels(points, step),
         ring=_ring(points, step),
-        mesh=_meshes(points, step, angle, psi),
-        rollers=_rollers(points, cage),
+        mesh=_meshes(points, step, psi),
+        rollers=_rollers(points),
         psi=psi,
-        cage=cage,
+        cage=_cage(points, step, angle),
     )
 
 
 def _lanes(rows: Sequence[object]) -> Array:
-    """Stack values of the points along a new last axis."""
-    return np.ascontiguousarray(np.stack([np.asarray(row, dtype=np.float64) for row in rows], axis=-1))
+    """Stack values of the points along a new last axis, flat."""
+    return np.stack([np.asarray(row, dtype=np.float64) for row in rows], axis=-1).reshape(-1)
+
+
+def _tables(*columns: Sequence[object]) -> list[Array]:
+    """Stack values of the points: (rows,) where all points have the same in all columns, else (rows, LANES)."""
+    stacks = [np.stack([np.asarray(row, dtype=np.float64).reshape(-1) for row in rows], axis=-1) for rows in columns]
+    if all(bool(np.all(stack == stack[:, :1])) for stack in stacks):
+        return [np.ascontiguousarray(stack[:, 0]) for stack in stacks]
+    return [np.ascontiguousarray(stack) for stack in stacks]
 
 
 def damped_step(square: Array, damping: Array, step: float) -> tuple[Array, Array]:
@@ -126,89 +137,111 @@ def damped_step(square: Array, damping: Array, step: float) -> tuple[Array, Arra
     return decay, np.where(square > 0, swing, free)
 
 
+@cache
+def places(segments: int) -> tuple[Layout, npt.NDArray[np.int64]]:
+    """Return the layout, and for each motion of `wheels` its place after the ring's in it, -1 for the one at rest."""
+    layout = Layout(segments)
+    chains = [[layout.nodes[f"{part}_{j}"] for part in ("pb1", "p1", "pb2", "p2")] for j in (1, 2, 3)]
+    chains.append([layout.nodes[part] for part in ("sb", "s", "h1", "b1")])
+    rows = [[getattr(node, axis) for node in chain] for chain in chains for axis in ("x", "y", "z")]
+    output = [layout.nodes[part] for part in ("b21", "h2", "b22")]
+    rows += [[*(getattr(node, axis) for node in output), -1] for axis in ("x", "y")]
+    twists = [[layout.nodes[f"p1_{j}"].u, layout.nodes[f"p2_{j}"].u] for j in (1, 2, 3)]
+    twists += [[layout.nodes["s"].u, layout.nodes["h1"].u], [layout.nodes["h2"].u, -1]]
+    found = np.concatenate([np.array(rows).T.ravel(), np.array(twists).T.ravel()])
+    return layout, np.where(found >= 0, found - 4 * segments, -1)
+
+
+def _row(point: Point, place: int) -> int:
+    """Row of a motion of the layout in a block; of the one at rest where it is none."""
+    of = places(point.layout.segments)[1]
+    wanted = place - point.first if place >= 0 else -1
+    return int(np.flatnonzero(of == wanted)[0])
+
+
 def _wheels(points: Sequence[Point], step: float) -> wheels.WheelLaw:
-    first, layout = points[0].first, points[0].layout
-    rest = layout.size - first
-
-    def place(name: str, motion: str) -> int:
-        found = getattr(layout.nodes[name], motion) if name else -1
-        return found - first if found >= 0 else rest
-
-    chains = [[f"{part}_{j}" for part in ("pb1", "p1", "pb2", "p2")] for j in (1, 2, 3)]
-    chains.append(["sb", "s", "h1", "b1"])
-    rows = [[place(name, axis) for name in chain] for chain in chains for axis in ("x", "y", "z")]
-    rows += [[place(name, axis) for name in ("b21", "h2", "b22", "")] for axis in ("x", "y")]
-    twists = [[place(f"p1_{j}", "u"), place(f"p2_{j}", "u")] for j in (1, 2, 3)]
-    twists += [[place("s", "u"), place("h1", "u")], [place("h2", "u"), rest]]
-    springs = [_spring_tables(point, rows, twists, rest) for point in points]
-    constant, damping, mass = zip(*(_motions(point) for point in points), strict=True)
-    decay, gain = damped_step(np.zeros((rest + 1, len(points))), _lanes(damping), step)
-    return wheels.WheelLaw(
-        chain=np.array(rows),
-        spring=_lanes([s[0] for s in springs]),
-        twist=np.array(twists),
-        aa=_lanes([s[1][0] for s in springs]),
-        ab=_lanes([s[1][1] for s in springs]),
-        bb=_lanes([s[1][2] for s in springs]),
-        lag=_lanes([point.configuration.shafts.damping_time / (2 * step) for point in points]),
-        twist_lag=_lanes([s[1][3] / (2 * step) for s in springs]),
-        load=_lanes(constant),
-        decay=decay,
-        gain=gain / _lanes(mass),
+    loads, dampings, masses_, springs = zip(*(_motions(point) for point in points), strict=True)
+    decay, gain = zip(
+        *(damped_step(np.zeros_like(d), d, step) for d in dampings),
+        strict=True,
     )
+    gains = [np.where(np.isfinite(m), g / m, 0.0) for g, m in zip(gain, masses_, strict=True)]
+    lags = [s[4] / (2 * step) for s in springs]
+    tables = _tables(*([s[k] for s in springs] for k in range(4)), decay, gains, lags)
+    spring, aa, ab, bb, decays, gained, lag = tables
+    return wheels.WheelLaw(spring, aa, ab, bb, _lanes(loads), decays, gained, lag)
 
 
-def _spring_tables(point: Point, rows: list[list[int]], twists: list[list[int]], rest: int) -> tuple[Array, Array]:
-    """Return stiffness along the chains (chains, 3), and aa, ab, bb, damping time of the torsion springs, (4, twists)."""
-    law = point.laws.springs
-    known = {
-        (int(i) - point.first, int(k) - point.first if i != k else rest): (aa, ab, bb, time)
-        for i, k, aa, ab, bb, time in zip(*law, strict=True)
-    }
-    chain = np.array([[known.get((a, b), (0.0,))[0] for a, b in zip(row, row[1:], strict=False)] for row in rows])
-    return chain, np.array([known[a, b] for a, b in twists]).T
-
-
-def _motions(point: Point) -> tuple[Array, Array, Array]:
-    """Return constant force (N), rate of damping to ground (1/s) and mass (kg) of gears' and bearings' motions."""
+def _motions(point: Point) -> tuple[Array, Array, Array, tuple[Array, Array, Array, Array, Array]]:
+    """Return constant force (N), rate of damping to ground (1/s), mass (kg) of the motions, and their springs."""
     laws, first = point.laws, point.first
-    load = np.append(laws.weight[first:], 0.0)
+    of = places(point.layout.segments)[1]
+    there = of >= 0
+    load = laws.weight[first:].copy()
     load[laws.output - first] += laws.output_push * point.torque
     damping = np.zeros(len(load))
     for place, value in zip(laws.bearings.place, laws.bearings.damping, strict=True):
-        for k in place[place >= 0]:
-            damping[k - first] = value
-    mass = np.append(point.mass[first:], 1.0)
-    return load, damping / mass, mass
+        damping[place[place >= 0] - first] = value
+    mass = np.where(there, point.mass[first:][of], np.inf)
+    rate = np.where(there, damping[of] / mass, 0.0)
+    return np.where(there, load[of], 0.0), rate, mass, _springs(point, of)
+
+
+def _springs(point: Point, of: npt.NDArray[np.int64]) -> tuple[Array, Array, Array, Array, Array]:
+    """Return `spring`, `aa`, `ab`, `bb` of `WheelLaw`, and the damping time of the springs at each motion, s."""
+    law = point.laws.springs
+    known = {
+        (int(i) - point.first, int(k) - point.first if i != k else -1): values
+        for i, k, *values in zip(*law, strict=True)
+    }
+    time = np.zeros(wheels.MOTIONS)
+
+    def pair(first: int, second: int) -> list[float]:
+        values = known.get((of[first], of[second]), [0.0, 0.0, 0.0, 0.0])
+        if of[first] >= 0 and values[0]:
+            time[[first, second]] = values[3]
+        return values
+
+    count = wheels.CHAINS
+    chain = np.array([pair(part * count + c, (part + 1) * count + c)[0] for part in range(3) for c in range(count)])
+    ends = range(4 * count, 4 * count + wheels.TWISTS)
+    twists = np.array([pair(first, first + wheels.TWISTS) for first in ends])
+    return chain, twists[:, 0].copy(), twists[:, 1].copy(), twists[:, 2].copy(), time
 
 
 def _ring(points: Sequence[Point], step: float) -> ringstep.RingLaw:
-    keys = sorted(set().union(*(point.pairs for point in points)))
-    pairs = [[point.pairs.get(key, ZERO_PAIR) for point in points] for key in keys]
+    common = all(point.pairs is points[0].pairs for point in points)
+    shown = points[:1] if common else points
+    keys = sorted(set().union(*(point.pairs for point in shown)))
+    pairs = [[point.pairs.get(key, ZERO_PAIR) for point in shown] for key in keys]
 
-    def column(name: str) -> Array:
+    def column(name: str) -> npt.NDArray[Any]:
         return np.array([[getattr(pair, name) for pair in row] for row in pairs])
 
-    def parts(values: Array) -> Array:
-        return np.ascontiguousarray(np.stack([values.real, values.imag], axis=1))
+    def table(values: Array) -> Array:
+        return np.ascontiguousarray(values[:, 0] if common else values)
 
-    decay, gain = damped_step(column("square"), column("damping"), step)
-    there = np.array([[key in point.pairs for point in points] for key in keys])
+    there = np.array([[key in point.pairs for point in shown] for key in keys])
+    decay, gain = (there * part for part in damped_step(column("square"), column("damping"), step))
     turns = sorted({_turns(key) for key in keys})
     angle = np.outer(turns, [point.speed * step for point in points])
-    torque = np.array([point.torque for point in points])
+    force = column("weight") + 1j * column("push") * np.array([point.torque for point in points])
+    loaded = np.flatnonzero(np.any(force != 0, axis=1))
+    kick = (gain / np.where(there, decay, 1.0) * force)[loaded]
     return ringstep.RingLaw(
         straight=sum(key[0] == 0 for key in keys),
         harmonic=np.array([turns.index(_turns(key)) for key in keys]),
-        turn_cos=np.cos(angle),
-        turn_sin=np.sin(angle),
-        square=column("square"),
-        decay=np.where(there, decay, 0.0),
-        gain=np.where(there, gain, 0.0),
-        normal=parts(column("normal")),
-        slide=parts(column("slide")),
-        roll=column("roll"),
-        load=parts(column("weight") + 1j * column("push") * torque),
+        turn=np.stack([np.cos(angle), np.sin(angle)], axis=1).reshape(-1),
+        square=table(column("square")),
+        decay=table(decay),
+        gain=table(gain),
+        normal_re=table(column("normal").real),
+        normal_im=table(column("normal").imag),
+        slide_re=table(column("slide").real),
+        slide_im=table(column("slide").imag),
+        roll=table(column("roll")),
+        loaded=loaded,
+        kick=np.stack([kick.real, kick.imag], axis=1).reshape(-1),
     )
 
 
@@ -216,105 +249,92 @@ def _turns(key: Key) -> int:
     return -key[1] if key[1] % 3 == 2 else key[1]
 
 
-def _psi(points: Sequence[Point], step: float, angle: Array) -> Array:
-    """Phase psi of the meshes at step 0 and its advance in a step, rad, (2, 7, lanes)."""
-    found = np.empty((2, 7, len(points)))
-    for lane, point in enumerate(points):
-        ratio = point.laws.phase_ratio[list(meshes.STAGE)]
-        found[0, :, lane] = ratio * angle[lane] + [g for stage in point.kinematics.stages for g in stage.planet_phases]
-        found[1, :, lane] = ratio * point.speed * step
-    return found
+def _phases(start: Array, advance: Array) -> stepping.Phases:
+    turn = np.concatenate([np.cos(advance).ravel(), np.sin(advance).ravel()])
+    return stepping.Phases(start.reshape(-1), advance.reshape(-1), turn)
 
 
-def _cage(points: Sequence[Point], step: float, angle: Array) -> Array:
-    ratio = _lanes([point.laws.bearings.cage_ratio for point in points])
-    return np.stack([ratio * angle, ratio * np.array([point.speed * step for point in points])])
+def _psi(points: Sequence[Point], step: float, angle: Array) -> stepping.Phases:
+    """Phases psi of the meshes."""
+    offset = np.array([[g for stage in p.kinematics.stages for g in stage.planet_phases] for p in points]).T
+    ratio = np.array([point.laws.phase_ratio[list(meshes.STAGE)] for point in points]).T
+    speed = np.array([point.speed for point in points])
+    return _phases(ratio * angle + offset, ratio * speed * step)
 
 
-def _meshes(points: Sequence[Point], step: float, angle: Array, psi: Array) -> meshes.MeshLaw:
+def _cage(points: Sequence[Point], step: float, angle: Array) -> stepping.Phases:
+    ratio = np.array([point.laws.bearings.cage_ratio for point in points]).T
+    return _phases(ratio * angle, ratio * np.array([point.speed for point in points]) * step)
+
+
+def _meshes(points: Sequence[Point], step: float, psi: stepping.Phases) -> meshes.MeshLaw:
     laws = [point.laws.mesh for point in points]
     stages = [[stage for stage in point.kinematics.stages for _ in stage.planet_phases] for point in points]
-    swing = _lanes([[s.stiffness.normal * abs(s.stiffness.variation) for s in row] for row in stages])
     error = _lanes([[s.mesh.error_amplitude for s in row] for row in stages])
     starts = _lanes([np.array(start_phases(point.kinematics))[list(meshes.STAGE)] for point in points])
-    first = _lanes([[1.0] * 3 + [0.0] * 4 for _ in points])
-    own = np.array([point.residual.own - point.residual.neighbour for point in points])
-    push = np.array([point.residual.push * point.torque for point in points])
+    first = [1.0] * 3 + [0.0] * 4
+    residuals = [point.residual for point in points]
+    push = [np.multiply(first, point.residual.push * point.torque) for point in points]
     return meshes.MeshLaw(
         stiffness=_lanes([law.stiffness for law in laws]),
-        swing=swing,
-        error_mean=_lanes([law.error_mean for law in laws]) + first * push,
+        swing=_lanes([[s.stiffness.normal * abs(s.stiffness.variation) for s in row] for row in stages]),
+        error_mean=_lanes([law.error_mean + pushed for law, pushed in zip(laws, push, strict=True)]),
         error_swing=error,
-        error_rate=error * psi[1] / step,
-        turn_cos=np.cos(psi[1]),
-        turn_sin=np.sin(psi[1]),
+        error_rate=error * psi.advance / step,
         backlash=_lanes([law.backlash for law in laws]),
         damping=_lanes([law.damping for law in laws]),
         gap_damping=_lanes([[float(law.damping_in_gap)] * 7 for law in laws]),
-        flexible=first * own,
-        beside=first * np.array([point.residual.neighbour for point in points]),
+        flexible=_lanes([np.multiply(first, r.own - r.neighbour) for r in residuals]),
+        beside=_lanes([np.multiply(first, r.neighbour) for r in residuals]),
         per_step=1 / (2 * step),
-        start=np.mod((psi[0] + starts) / (2 * math.pi), 1.0),
-        advance=psi[1] / (2 * math.pi),
-        table=_lanes([_friction_table(point.laws.friction, point.speed) for point in points]),
+        start=np.mod((psi.start + starts) / (2 * math.pi), 1.0),
+        advance=psi.advance / (2 * math.pi),
+        table=np.stack([_friction_table(point.laws.friction, point.speed) for point in points], axis=1).copy(),
         gears=_gear_rows(points),
     )
 
 
 def _gear_rows(points: Sequence[Point]) -> meshes.GearRows:
-    nodes, first = points[0].layout.nodes, points[0].first
-    rest = points[0].layout.size - first
+    point, nodes = points[0], points[0].layout.nodes
     touching = [(f"p1_{j + 1}", j) for j in range(3)]
     touching += [(name, 3 + j) for j in range(3) for name in (f"p2_{j + 1}", "s")] + [("h1", 6), ("h2", 6)]
-    places, shape = [], (len(touching), 4)
-    for name, _ in touching:
-        node = nodes[name]
-        places.append([k - first if k >= 0 else rest for k in (node.u, node.x, node.y, node.z)])
-    normal, slide, roll = [], [], []
-    for point in points:
-        tables = [np.zeros(shape) for _ in range(3)]
-        rows = point.laws.rows
+    ends = [[nodes[name].u, nodes[name].x, nodes[name].y, nodes[name].z] for name, _ in touching]
+    rows = []
+    for other in points:
+        tables = np.zeros((3, len(touching), 4))
+        source = other.laws.rows
         for contact, (_, mesh) in enumerate(touching):
-            for entry, place in enumerate(rows.place[mesh]):
-                if place - first in places[contact]:
-                    column = places[contact].index(place - first)
-                    for table, source in zip(tables, (rows.normal, rows.slide, rows.roll), strict=True):
-                        table[contact, column] = source[mesh, entry]
-        normal.append(tables[0])
-        slide.append(tables[1][:, :3])
-        roll.append(tables[2][:, 0])
+            for entry, place in enumerate(source.place[mesh]):
+                if place >= other.first and place in ends[contact]:
+                    column = ends[contact].index(place)
+                    tables[:, contact, column] += [t[mesh, entry] for t in (source.normal, source.slide, source.roll)]
+        rows.append(tables)
+    normal, slide, roll = _tables([t[0] for t in rows], [t[1][:, :3] for t in rows], [t[2][:, 0] for t in rows])
     return meshes.GearRows(
-        place=np.array(places),
         mesh=np.array([mesh for _, mesh in touching]),
-        normal=_lanes(normal),
-        slide=_lanes(slide),
-        roll=_lanes(roll),
+        place=np.array([[_row(point, k) for k in end] for end in ends]),
+        normal=normal,
+        slide=slide,
+        roll=roll,
     )
 
 
-def _rollers(points: Sequence[Point], cage: Array) -> rollers.RollerLaw:
-    laws, first = [point.laws.bearings for point in points], points[0].first
-    rest = points[0].layout.size - first
+def _rollers(points: Sequence[Point]) -> rollers.RollerLaw:
+    laws = [point.laws.bearings for point in points]
     start, opposed, cos, sin = rollers.pattern(np.diff(laws[0].start))
-    radial, axial = _lanes([law.radial for law in laws]), _lanes([law.axial for law in laws])
-    stiffness = _lanes([law.stiffness for law in laws])
     return rollers.RollerLaw(
-        place=np.where(laws[0].place >= 0, laws[0].place - first, rest),
+        place=np.array([[_row(points[0], k) for k in place] for place in laws[0].place.tolist()]),
         start=start,
         opposed=opposed,
         cos=cos,
         sin=sin,
-        radial=radial,
-        axial=axial,
+        radial=_lanes([law.radial for law in laws]),
+        axial=_lanes([law.axial for law in laws]),
         clearance=_lanes([law.clearance for law in laws]),
-        radial_force=stiffness * radial,
-        axial_force=stiffness * axial,
-        turn_cos=np.cos(cage[1]),
-        turn_sin=np.sin(cage[1]),
+        radial_force=_lanes([law.stiffness * law.radial for law in laws]),
+        axial_force=_lanes([law.stiffness * law.axial for law in laws]),
         power=rollers.power_law(points[0].configuration.bearings.exponent),
     )
-
-
 
 
 def _friction_table(law: FrictionLaw, speed: float) -> Array:

@@ -19,7 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.compiled import fused
+from nw_gear_sim.batch.lanes import LANES
+from nw_gear_sim.compiled import apart
 
 Indices = npt.NDArray[np.int64]
 Singles = npt.NDArray[np.float32]
@@ -36,7 +37,7 @@ class Power(NamedTuple):
 
 
 class RollerLaw(NamedTuple):
-    """All bearings: arrays of shape (bearings, lanes) if not said otherwise.
+    """All bearings: flat arrays (bearings, lanes) if not said otherwise.
 
     Attributes:
         place: rows of x, y, z among the motions, (bearings, 3).
@@ -45,7 +46,6 @@ class RollerLaw(NamedTuple):
         cos, sin: of the entries' angles at cage angle 0.
         radial, axial: cosine and sine of the contact angle; clearance: m.
         radial_force, axial_force: K times these, N/m^n.
-        turn_cos, turn_sin: rotation of the cage in one step.
         power: of the roller's law.
     """
 
@@ -59,8 +59,6 @@ class RollerLaw(NamedTuple):
     clearance: Array
     radial_force: Array
     axial_force: Array
-    turn_cos: Array
-    turn_sin: Array
     power: Power
 
 
@@ -86,7 +84,7 @@ def pattern(counts: Indices) -> tuple[Indices, npt.NDArray[np.bool_], Array, Arr
     return np.concatenate([[0], np.cumsum(entries)]).astype(np.int64), opposed, np.cos(angle), np.sin(angle)
 
 
-@fused
+@apart
 def raised(d: float, slope: float, p: Singles, q: Singles) -> float:
     """Return d^n of a compression d >= 0."""
     word = _F32(d).view(np.int32)
@@ -109,7 +107,7 @@ def raised(d: float, slope: float, p: Singles, q: Singles) -> float:
     return d * np.float64(a * (b * whole))
 
 
-@fused
+@apart
 def raise_all(power: Power, values: Array) -> None:
     """Raise compressions (m, >= 0) to the power n, in place."""
     p, q = power.mantissa, power.fraction
@@ -117,79 +115,70 @@ def raise_all(power: Power, values: Array) -> None:
         values[i] = raised(values[i], power.slope[0], p, q)
 
 
-@fused
-def turn(cos: Array, sin: Array, turn_cos: Array, turn_sin: Array) -> None:
-    """Turn unit vectors by one step, in place, arrays of one shape."""
-    c, s = cos.reshape(cos.size), sin.reshape(sin.size)
-    tc, ts = turn_cos.reshape(cos.size), turn_sin.reshape(cos.size)
-    for i in range(len(c)):
-        kept = c[i]
-        c[i] = kept * tc[i] - s[i] * ts[i]
-        s[i] = s[i] * tc[i] + kept * ts[i]
-
-
-@fused
-def add_rollers(law: RollerLaw, cos: Array, sin: Array, x: Array, work: Array, force: Array) -> None:
+@apart
+def add_rollers(law: RollerLaw, cage: Array, x: Array, work: Array, force: Array) -> None:
     """Add the forces of all bearings on the motions.
 
     Args:
         law: of the bearings.
-        cos, sin: of the cages' angles, (bearings, lanes).
-        x: displacements, m, (motions, lanes).
-        work: scratch, (6, lanes).
-        force: N, (motions, lanes).
+        cage: cosine and sine of the cages' angles, flat (2, bearings, lanes).
+        x: displacements, m, flat (motions, lanes).
+        work: scratch, flat (6, lanes).
+        force: N, flat (motions, lanes).
     """
-    lanes = x.shape[1]
+    across_row = len(law.opposed) * LANES
     for b in range(len(law.opposed)):
-        i, j, k = law.place[b]
-        pressed = False
-        for lane in range(lanes):
-            c, s = cos[b, lane], sin[b, lane]
-            work[0, lane] = law.radial[b, lane] * (x[i, lane] * c + x[j, lane] * s)
-            work[1, lane] = law.radial[b, lane] * (x[j, lane] * c - x[i, lane] * s)
-            offset = law.axial[b, lane] * x[k, lane] - law.clearance[b, lane]
-            work[2, lane] = offset
+        i, j, k, at = law.place[b, 0] * LANES, law.place[b, 1] * LANES, law.place[b, 2] * LANES, b * LANES
+        pressed = 0
+        for lane in range(LANES):
+            c, s = cage[at + lane], cage[across_row + at + lane]
+            radial = law.radial[at + lane]
+            work[lane] = radial * (x[i + lane] * c + x[j + lane] * s)
+            work[LANES + lane] = radial * (x[j + lane] * c - x[i + lane] * s)
+            offset = law.axial[at + lane] * x[k + lane] - law.clearance[at + lane]
+            work[2 * LANES + lane] = offset
             pressed |= offset > 0.0
-            work[3, lane], work[4, lane], work[5, lane] = 0.0, 0.0, 0.0
+        for lane in range(3 * LANES):
+            work[3 * LANES + lane] = 0.0
         if law.opposed[b]:
-            _pairs(law, law.start[b], law.start[b + 1], 1.0, work)
+            _add_pairs(law, law.start[b], law.start[b + 1], 1.0, work)
             if pressed:
-                _pairs(law, law.start[b], law.start[b + 1], -1.0, work)
+                _add_pairs(law, law.start[b], law.start[b + 1], -1.0, work)
         else:
-            _singles(law, law.start[b], law.start[b + 1], work)
-        for lane in range(lanes):
-            c, s = cos[b, lane], sin[b, lane]
-            radial, along, across = law.radial_force[b, lane], work[4, lane], work[5, lane]
-            force[i, lane] -= radial * (c * along - s * across)
-            force[j, lane] -= radial * (s * along + c * across)
-            force[k, lane] -= law.axial_force[b, lane] * work[3, lane]
+            _add_singles(law, law.start[b], law.start[b + 1], work)
+        for lane in range(LANES):
+            c, s = cage[at + lane], cage[across_row + at + lane]
+            radial, along, across = law.radial_force[at + lane], work[4 * LANES + lane], work[5 * LANES + lane]
+            force[i + lane] -= radial * (c * along - s * across)
+            force[j + lane] -= radial * (s * along + c * across)
+            force[k + lane] -= law.axial_force[at + lane] * work[3 * LANES + lane]
 
 
-@fused
-def _pairs(law: RollerLaw, first: int, last: int, side: float, work: Array) -> None:
+@apart
+def _add_pairs(law: RollerLaw, first: int, last: int, side: float, work: Array) -> None:
     """Add the more compressed (side 1) or the less compressed (-1) rollers of opposite ones."""
     slope, p, q = law.power.slope[0], law.power.mantissa, law.power.fraction
     ps, qs = (p[0], p[1], p[2], p[3], p[4], p[5], p[6]), (q[0], q[1], q[2], q[3], q[4], q[5])
     for i in range(first, last):
         cos, sin = law.cos[i], law.sin[i]
-        for lane in range(work.shape[1]):
-            reach = work[0, lane] * cos + work[1, lane] * sin
-            load = raised(max(side * abs(reach) + work[2, lane], 0.0), slope, ps, qs)
-            pointed = math.copysign(load, side * reach)
-            work[3, lane] += load
-            work[4, lane] += pointed * cos
-            work[5, lane] += pointed * sin
+        for lane in range(LANES):
+            reach = side * (work[lane] * cos + work[LANES + lane] * sin)
+            load = raised(max(side * abs(reach) + work[2 * LANES + lane], 0.0), slope, ps, qs)
+            pointed = math.copysign(load, reach)
+            work[3 * LANES + lane] += load
+            work[4 * LANES + lane] += pointed * cos
+            work[5 * LANES + lane] += pointed * sin
 
 
-@fused
-def _singles(law: RollerLaw, first: int, last: int, work: Array) -> None:
+@apart
+def _add_singles(law: RollerLaw, first: int, last: int, work: Array) -> None:
     slope, p, q = law.power.slope[0], law.power.mantissa, law.power.fraction
     ps, qs = (p[0], p[1], p[2], p[3], p[4], p[5], p[6]), (q[0], q[1], q[2], q[3], q[4], q[5])
     for i in range(first, last):
         cos, sin = law.cos[i], law.sin[i]
-        for lane in range(work.shape[1]):
-            reach = work[0, lane] * cos + work[1, lane] * sin
-            load = raised(max(reach + work[2, lane], 0.0), slope, ps, qs)
-            work[3, lane] += load
-            work[4, lane] += load * cos
-            work[5, lane] += load * sin
+        for lane in range(LANES):
+            reach = work[lane] * cos + work[LANES + lane] * sin
+            load = raised(max(reach + work[2 * LANES + lane], 0.0), slope, ps, qs)
+            work[3 * LANES + lane] += load
+            work[4 * LANES + lane] += load * cos
+            work[5 * LANES + lane] += load * sin

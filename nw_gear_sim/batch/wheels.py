@@ -1,94 +1,85 @@
 """Gears and bearings of many points at once: springs along the shafts, and the step of every motion.
 
-Motions are those of `layout` from the ring's on, and one more that stays at rest, which fills gaps in the tables below.
-The springs are those of `physics.spring`.
+The springs are those of `physics.spring`. Motions are sorted for straight loops: first the x, y, z of the shafts, the
+first part of every shaft and direction, then the second and so on; then one end of every torsion spring, then the other.
+A motion that stays at rest fills the gaps.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from nw_gear_common.tables import Array
-from nw_gear_sim.compiled import fused
+from nw_gear_sim.batch.lanes import LANES, of
+from nw_gear_sim.compiled import apart
 
-Indices = npt.NDArray[np.int64]
+CHAINS = 14
+"""Shafts times directions: three planets and the sun with x, y, z, the output shaft with x, y."""
+TWISTS = 5
+"""Torsion springs: three planets, the sun, the generator."""
+MOTIONS = 4 * CHAINS + 2 * TWISTS
 
 
 class WheelLaw(NamedTuple):
-    """Constants, with points in the last axis.
+    """Constants; tables read by `lanes.of`.
 
     Attributes:
-        chain: rows of the motions of four neighbours on a shaft, (chains, 4).
-        spring: between them, N/m, (chains, 3, lanes).
-        twist: rows of both ends of the torsion springs, (torsions, 2); the last end of the last one is at rest.
-        aa, ab, bb: of the torsion springs, as in `physics.spring`, (torsions, lanes).
-        lag, twist_lag: damping time over 2 h of the springs, (lanes,) and (torsions, lanes).
-        load: constant forces, N, (motions, lanes).
-        decay, gain: of d' = decay d + gain F for displacements d of one step, (motions, lanes).
+        spring: between neighbours on a shaft, N/m, (3 CHAINS).
+        aa, ab, bb: of the torsion springs, as in `physics.spring`, (TWISTS).
+        load: constant forces, N, flat (MOTIONS, lanes).
+        decay, gain, lag: of the step, see `step_wheels`, (MOTIONS).
     """
 
-    chain: Indices
     spring: Array
-    twist: Indices
     aa: Array
     ab: Array
     bb: Array
-    lag: Array
-    twist_lag: Array
     load: Array
     decay: Array
     gain: Array
+    lag: Array
 
 
-@fused
-def set_spring_forces(law: WheelLaw, x: Array, moved: Array, before: Array, force: Array) -> None:
-    """Set the forces of springs and constant loads on all motions.
+@apart
+def set_spring_forces(law: WheelLaw, led: Array, force: Array) -> None:
+    """Set the forces of springs and constant loads on all motions (N), by `led` of `step_wheels`, flat."""
+    row = CHAINS * LANES
+    for c in range(CHAINS):
+        for lane in range(LANES):
+            i = c * LANES + lane
+            first, second, third, fourth = led[i], led[i + row], led[i + 2 * row], led[i + 3 * row]
+            a = of(law.spring, c, lane) * (first - second)
+            b = of(law.spring, c + CHAINS, lane) * (second - third)
+            d = of(law.spring, c + 2 * CHAINS, lane) * (third - fourth)
+            force[i] = law.load[i] - a
+            force[i + row] = law.load[i + row] + a - b
+            force[i + 2 * row] = law.load[i + 2 * row] + b - d
+            force[i + 3 * row] = law.load[i + 3 * row] + d
+    for t in range(TWISTS):
+        for lane in range(LANES):
+            i = 4 * row + t * LANES + lane
+            k = i + TWISTS * LANES
+            force[i] = law.load[i] - of(law.aa, t, lane) * led[i] + of(law.ab, t, lane) * led[k]
+            force[k] = law.load[k] + of(law.ab, t, lane) * led[i] - of(law.bb, t, lane) * led[k]
 
-    The rate of a displacement is extrapolated from its last two steps, (3 d - d') / (2 h).
+
+@apart
+def step_wheels(law: WheelLaw, force: Array, x: Array, moved: Array, led: Array) -> None:
+    """Move all motions by one step, in place: d' = decay d + gain F, x' = x + d'.
 
     Args:
         law: constants.
-        x: displacements, m; moved, before: in the last step and in the one before, m, (motions, lanes).
-        force: N, set here.
+        force: N; x, moved: displacements and those of the last step (d), m; flat.
+        led: x + beta v for springs of damping time beta, m, with v = (3 d' - d) / (2 h) extrapolated.
     """
-    lanes = x.shape[1]
-    for c in range(len(law.chain)):
-        i, j, k, m = law.chain[c]
-        for lane in range(lanes):
-            lag = law.lag[lane]
-            first = x[i, lane] + lag * (3.0 * moved[i, lane] - before[i, lane])
-            second = x[j, lane] + lag * (3.0 * moved[j, lane] - before[j, lane])
-            third = x[k, lane] + lag * (3.0 * moved[k, lane] - before[k, lane])
-            fourth = x[m, lane] + lag * (3.0 * moved[m, lane] - before[m, lane])
-            a = law.spring[c, 0, lane] * (first - second)
-            b = law.spring[c, 1, lane] * (second - third)
-            d = law.spring[c, 2, lane] * (third - fourth)
-            force[i, lane] = law.load[i, lane] - a
-            force[j, lane] = law.load[j, lane] + a - b
-            force[k, lane] = law.load[k, lane] + b - d
-            force[m, lane] = law.load[m, lane] + d
-    for t in range(len(law.twist)):
-        i, j = law.twist[t]
-        for lane in range(lanes):
-            lag = law.twist_lag[t, lane]
-            first = x[i, lane] + lag * (3.0 * moved[i, lane] - before[i, lane])
-            second = x[j, lane] + lag * (3.0 * moved[j, lane] - before[j, lane])
-            force[i, lane] = law.load[i, lane] - law.aa[t, lane] * first + law.ab[t, lane] * second
-            force[j, lane] = law.load[j, lane] + law.ab[t, lane] * first - law.bb[t, lane] * second
-
-
-@fused
-def step_wheels(law: WheelLaw, force: Array, x: Array, moved: Array, before: Array) -> None:
-    """Move all motions by one step, in place; arrays of shape (motions, lanes)."""
-    size = x.size
-    f, place, now, last = force.reshape(size), x.reshape(size), moved.reshape(size), before.reshape(size)
-    decay, gain = law.decay.reshape(size), law.gain.reshape(size)
-    for i in range(size):
-        d = now[i]
-        last[i] = d
-        d = decay[i] * d + gain[i] * f[i]
-        now[i] = d
-        place[i] += d
+    for row in range(0, MOTIONS, 2):
+        for lane in range(LANES):
+            i, k = row * LANES + lane, row * LANES + LANES + lane
+            before, before_2 = moved[i], moved[k]
+            d = of(law.decay, row, lane) * before + of(law.gain, row, lane) * force[i]
+            d_2 = of(law.decay, row + 1, lane) * before_2 + of(law.gain, row + 1, lane) * force[k]
+            place, place_2 = x[i] + d, x[k] + d_2
+            moved[i], moved[k] = d, d_2
+            x[i], x[k] = place, place_2
+            led[i] = place + of(law.lag, row, lane) * (3.0 * d - before)
+            led[k] = place_2 + of(law.lag, row + 1, lane) * (3.0 * d_2 - before_2)
