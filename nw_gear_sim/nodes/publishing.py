@@ -39,10 +39,11 @@ class Waveform:
 
         The number of rows is a multiple of the block's, so that a block is never cut.
         """
-        rows = slice(self._filled, self._filled + len(block.time))
+        end = self._filled + len(block.time)
         forces = block.bearing_force[:, self._bearings, :2].reshape(len(block.time), -1)
-        self._data[rows] = np.hstack([(start + block.time)[:, None], block.phase, block.x, block.v, forces])
-        self._filled = rows.stop
+        parts = ((start + block.time)[:, None], block.phase, block.x, block.v, forces)
+        np.concatenate(parts, axis=1, out=self._data[self._filled : end])
+        self._filled = end
         if self._filled == len(self._data):
             self._publisher.publish(to_message(Table(names.ROW_SAMPLE, self._columns, self._data)))
             self._filled = 0
