@@ -138,14 +138,16 @@ def run(torques: tuple[float, float], **values: object) -> dict[str, float]:
     return balance(Independent(configuration), simulation, 2048, (first, last))
 
 
-@pytest.mark.parametrize("torques", [(1.0, 1.0), (0.5, 1.0)])
-def test_balance_with_everything_on(torques: tuple[float, float], figure: Callable[[str, float], float]) -> None:
+@pytest.mark.parametrize(("integrator", "torques"), [("rk4", (1.0, 1.0)), ("rk4", (0.5, 1.0)), ("etdrk4", (0.5, 1.0))])
+def test_balance_with_everything_on(
+    integrator: str, torques: tuple[float, float], figure: Callable[[str, float], float]
+) -> None:
     """Input = output + friction + damping + stored, with the work of what is prescribed, to 1e-4 of the input.
 
     At constant torque and while it rises. That nothing hides in the size of the input, what doesn't add up is compared
     with the losses too.
     """
-    work = run(torques)
+    work = run(torques, numerics__integrator=integrator)
     for name, value in work.items():
         figure(f"{name}, J", value)
     assert work["friction"] > 0
