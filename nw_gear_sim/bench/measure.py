@@ -16,15 +16,23 @@ from nw_gear_sim.params import Configuration
 
 LIVE = "gautschi"
 ACCURATE, FAST = Method(LIVE, ACCURATE_STEP), Method(LIVE, FAST_STEP)
-OTHERS = (Method("etdrk4", ACCURATE_STEP), Method("etdrk4", FAST_STEP), Method("rk4", ACCURATE_STEP))
-CLASSICAL = OTHERS[-1]
+CLASSICAL = Method("rk4", ACCURATE_STEP)
+OTHERS = (Method("etdrk4", ACCURATE_STEP), Method("etdrk4", FAST_STEP), CLASSICAL)
 NUDGE = 1e-6
 
 
 @dataclass(frozen=True)
 class Extent:
-    """How long everything runs: pieces of a case, seconds and repeats of timings, seconds of scipy and of rattling."""
+    """How much is run.
 
+    Attributes:
+        cases: names of those in which errors are measured, None for all; pieces: of each.
+        others: methods beside the live ones.
+        seconds, repeats: of each timing; scipy, rattling: seconds simulated there.
+    """
+
+    cases: tuple[str, ...] | None
+    others: tuple[Method, ...]
     pieces: int
     seconds: float
     repeats: int
@@ -32,8 +40,16 @@ class Extent:
     rattling: float
 
 
-FULL = Extent(pieces=7, seconds=0.5, repeats=7, scipy=0.01, rattling=8.0)
-QUICK = Extent(pieces=1, seconds=0.05, repeats=3, scipy=0.003, rattling=0.0)
+FULL = Extent(cases=None, others=OTHERS, pieces=7, seconds=0.5, repeats=7, scipy=0.01, rattling=8.0)
+QUICK = Extent(
+    cases=(results.RATED, "torque_step"),
+    others=(CLASSICAL,),
+    pieces=1,
+    seconds=0.05,
+    repeats=3,
+    scipy=0.003,
+    rattling=0.0,
+)
 
 
 def measure(config: str | None, *, quick: bool, say: Callable[[str], None]) -> Part:
@@ -47,10 +63,12 @@ def measure(config: str | None, *, quick: bool, say: Callable[[str], None]) -> P
     say("simulator: kernels (compiling them takes a minute where they aren't cached)")
     right_hand_side = speed.right_hand_side(configuration, extent.repeats)
     say(f"simulator: reference, rk4 at {REFERENCE.step:.3g} s")
-    compared = cases(configuration, extent.pieces)
+    compared = tuple(
+        case for case in cases(configuration, extent.pieces) if extent.cases is None or case.name in extent.cases
+    )
     exact = accuracy.exact_runs(configuration, compared)
     measured = {method: _measure(configuration, method, compared, exact, extent, say) for method in (ACCURATE, FAST)}
-    others = [_measure(configuration, method, compared, exact, extent, say) for method in OTHERS]
+    others = [_measure(configuration, method, compared, exact, extent, say) for method in extent.others]
     say("simulator: scipy's RK45")
     same = peers.compiled(configuration, extent.scipy, exact[results.RATED])
     plain = peers.with_numpy(configuration, extent.scipy, exact[results.RATED])
@@ -73,11 +91,12 @@ def measure(config: str | None, *, quick: bool, say: Callable[[str], None]) -> P
         "ratio_scipy_numpy_rhs": plain.cpu_per_second / live,
         "scipy": {"same_rhs": results.solved_values(same), "numpy_rhs": results.solved_values(plain)},
     }
+    values["sweep_points_per_second"] = None
     if extent.rattling:
         say("simulator: rattling")
         lines, values["rattling"] = _rattling(extent.rattling)
         figures += lines
-    return Part("Simulator (CPU time of one thread, medians)", tuple(figures), _conditions(extent), values)
+    return Part("Simulator (CPU time of one thread, medians)", tuple(figures), _conditions(extent, compared), values)
 
 
 def _measure(
@@ -116,14 +135,14 @@ def _rattling(seconds: float) -> tuple[list[Figure], dict[str, Any]]:
     return figures, values
 
 
-def _conditions(extent: Extent) -> tuple[str, ...]:
+def _conditions(extent: Extent, compared: tuple[Case, ...]) -> tuple[str, ...]:
     length = 1e3 * extent.pieces * PIECE / RATE
     return (
         f"speed: ticks of {speed.TICK} samples at {speed.SAMPLE_RATE:g} Hz, sampling included; median of "
         f"{extent.repeats} runs of {extent.seconds:g} s",
         f"errors: largest |x_n - x_n of rk4 at {REFERENCE.step:.3g} s| over the seven meshes, from "
         f"{1e3 * accuracy.SETTLE:g} to {length:.1f} ms",
-        "cases: " + "; ".join(f"{case.name}: {case.text}" for case in cases(configurations.load(), 1)),
+        "cases: " + "; ".join(f"{case.name}: {case.text}" for case in compared),
         f"scipy: solve_ivp RK45, rtol {peers.RTOL:g}, atol {peers.ATOL_DISPLACEMENT:g} m and "
         f"{peers.ATOL_VELOCITY:g} m/s, {1e3 * extent.scipy:g} ms at rated load, scaled to a second",
         "the NumPy right-hand side works on whole arrays, with sparse matrices and tabulated friction",
