@@ -26,14 +26,16 @@ _COS, _SIN = math.cos(2.0 * math.pi / 3.0), math.sin(2.0 * math.pi / 3.0)
 
 
 class GearRows(NamedTuple):
-    """How gears touch: mesh of each contact; places of u, x, y, z (contacts, 4); rows read by `lanes.of`.
+    """How gears touch: rows read by `lanes.of`.
 
     Attributes:
+        mesh: of each contact; turning, moving: rows of its u and x; those of y and z follow, (contacts,).
         normal: (4 contacts); slide: of u, x, y, (3 contacts); roll: of u, (contacts).
     """
 
     mesh: Indices
-    place: Indices
+    turning: Indices
+    moving: Indices
     normal: Array
     slide: Array
     roll: Array
@@ -115,14 +117,14 @@ def elongate(law: MeshLaw, x: Array, ring: Array, y: Array, force: Array) -> Non
         y[i] = 0.0
     gears = law.gears
     for g in range(len(gears.mesh)):
-        at, i, j = gears.mesh[g] * LANES, gears.place[g, 0] * LANES, gears.place[g, 1] * LANES
-        k, m = gears.place[g, 2] * LANES, gears.place[g, 3] * LANES
+        at, i, j = gears.mesh[g] * LANES, gears.turning[g] * LANES, gears.moving[g] * LANES
+        y_g, turned, moved = y[at : at + LANES], x[i : i + LANES], x[j : j + 3 * LANES]
         for lane in range(LANES):
-            y[at + lane] += (
-                of(gears.normal, 4 * g, lane) * x[i + lane]
-                + of(gears.normal, 4 * g + 1, lane) * x[j + lane]
-                + of(gears.normal, 4 * g + 2, lane) * x[k + lane]
-                + of(gears.normal, 4 * g + 3, lane) * x[m + lane]
+            y_g[lane] += (
+                of(gears.normal, 4 * g, lane) * turned[lane]
+                + of(gears.normal, 4 * g + 1, lane) * moved[lane]
+                + of(gears.normal, 4 * g + 2, lane) * moved[LANES + lane]
+                + of(gears.normal, 4 * g + 3, lane) * moved[2 * LANES + lane]
             )
 
 
@@ -179,12 +181,13 @@ def _rub(law: MeshLaw, step: float, state: MeshState) -> None:
 def add_gear_forces(gears: GearRows, pushed: Array, slid: Array, rolled: Array, force: Array) -> None:
     """Add the meshes' forces, flat (7, lanes), to those on the gears, N, flat (motions, lanes)."""
     for g in range(len(gears.mesh)):
-        at, i, j = gears.mesh[g] * LANES, gears.place[g, 0] * LANES, gears.place[g, 1] * LANES
-        k, m = gears.place[g, 2] * LANES, gears.place[g, 3] * LANES
+        at, i, j = gears.mesh[g] * LANES, gears.turning[g] * LANES, gears.moving[g] * LANES
+        push, slide, roll = pushed[at : at + LANES], slid[at : at + LANES], rolled[at : at + LANES]
+        turning, moving = force[i : i + LANES], force[j : j + 3 * LANES]
         for lane in range(LANES):
-            push, slide = pushed[at + lane], slid[at + lane]
-            rubbed = of(gears.slide, 3 * g, lane) * slide + of(gears.roll, g, lane) * rolled[at + lane]
-            force[i + lane] += rubbed - of(gears.normal, 4 * g, lane) * push
-            force[j + lane] += of(gears.slide, 3 * g + 1, lane) * slide - of(gears.normal, 4 * g + 1, lane) * push
-            force[k + lane] += of(gears.slide, 3 * g + 2, lane) * slide - of(gears.normal, 4 * g + 2, lane) * push
-            force[m + lane] -= of(gears.normal, 4 * g + 3, lane) * push
+            p, s = push[lane], slide[lane]
+            rubbed = of(gears.slide, 3 * g, lane) * s + of(gears.roll, g, lane) * roll[lane]
+            turning[lane] += rubbed - of(gears.normal, 4 * g, lane) * p
+            moving[lane] += of(gears.slide, 3 * g + 1, lane) * s - of(gears.normal, 4 * g + 1, lane) * p
+            moving[LANES + lane] += of(gears.slide, 3 * g + 2, lane) * s - of(gears.normal, 4 * g + 2, lane) * p
+            moving[2 * LANES + lane] -= of(gears.normal, 4 * g + 3, lane) * p

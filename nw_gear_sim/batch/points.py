@@ -312,7 +312,8 @@ def _gear_rows(points: Sequence[Point]) -> meshes.GearRows:
     normal, slide, roll = _tables([t[0] for t in rows], [t[1][:, :3] for t in rows], [t[2][:, 0] for t in rows])
     return meshes.GearRows(
         mesh=np.array([mesh for _, mesh in touching]),
-        place=np.array([[_row(point, k) for k in end] for end in ends]),
+        turning=np.array([_row(point, end[0]) for end in ends]),
+        moving=np.array([_row(point, end[1]) for end in ends]),
         normal=normal,
         slide=slide,
         roll=roll,

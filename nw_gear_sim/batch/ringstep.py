@@ -76,28 +76,31 @@ def step_ring(law: RingLaw, shares: Array, z: Array, sums: Array) -> None:
         sums[i] = 0.0
     for k in range(len(law.loaded)):
         at = (law.loaded[k] * 4 + 2) * LANES
+        moved = z[at : at + 2 * LANES]
         for i in range(2 * LANES):
-            z[at + i] += law.kick[2 * k * LANES + i]
+            moved[i] += law.kick[2 * k * LANES + i]
     for p in range(law.straight):
-        turns, at = law.harmonic[p] * 2 * LANES, p * 4 * LANES
+        at, first = p * 4 * LANES, law.harmonic[p] * 2 * LANES
+        turn, here = law.turn[first : first + 2 * LANES], z[at : at + 4 * LANES]
         for lane in range(LANES):
             nr, ni = of(law.normal_re, p, lane), of(law.normal_im, p, lane)
             pushed, slid = shares[lane], shares[3 * LANES + lane]
             fr = of(law.slide_re, p, lane) * slid - nr * pushed
             fi = of(law.slide_im, p, lane) * slid - ni * pushed + of(law.roll, p, lane) * shares[6 * LANES + lane]
-            zr, zi, dr, di = z[at + lane], z[at + LANES + lane], z[at + 2 * LANES + lane], z[at + 3 * LANES + lane]
+            zr, zi, dr, di = here[lane], here[LANES + lane], here[2 * LANES + lane], here[3 * LANES + lane]
             square, decay, gain = of(law.square, p, lane), of(law.decay, p, lane), of(law.gain, p, lane)
             dr = decay * dr + gain * (fr - square * zr)
             di = decay * di + gain * (fi - square * zi)
             zr += dr
             zi += di
-            cos, sin = law.turn[turns + lane], law.turn[turns + LANES + lane]
+            cos, sin = turn[lane], turn[LANES + lane]
             turned, turned_i = cos * zr - sin * zi, cos * zi + sin * zr
-            z[at + lane], z[at + LANES + lane] = turned, turned_i
-            z[at + 2 * LANES + lane], z[at + 3 * LANES + lane] = cos * dr - sin * di, cos * di + sin * dr
+            here[lane], here[LANES + lane] = turned, turned_i
+            here[2 * LANES + lane], here[3 * LANES + lane] = cos * dr - sin * di, cos * di + sin * dr
             sums[lane] += nr * turned + ni * turned_i
     for p in range(law.straight, len(law.harmonic)):
-        turns, at = law.harmonic[p] * 2 * LANES, p * 4 * LANES
+        at, first = p * 4 * LANES, law.harmonic[p] * 2 * LANES
+        turn, here = law.turn[first : first + 2 * LANES], z[at : at + 4 * LANES]
         for lane in range(LANES):
             nr, ni = of(law.normal_re, p, lane), of(law.normal_im, p, lane)
             sr, si, roll = of(law.slide_re, p, lane), of(law.slide_im, p, lane), of(law.roll, p, lane)
@@ -105,15 +108,15 @@ def step_ring(law: RingLaw, shares: Array, z: Array, sums: Array) -> None:
             slid, slid_i = shares[4 * LANES + lane], shares[5 * LANES + lane]
             fr = ni * pushed_i - nr * pushed + sr * slid - si * slid_i - roll * shares[8 * LANES + lane]
             fi = sr * slid_i + si * slid - nr * pushed_i - ni * pushed + roll * shares[7 * LANES + lane]
-            zr, zi, dr, di = z[at + lane], z[at + LANES + lane], z[at + 2 * LANES + lane], z[at + 3 * LANES + lane]
+            zr, zi, dr, di = here[lane], here[LANES + lane], here[2 * LANES + lane], here[3 * LANES + lane]
             square, decay, gain = of(law.square, p, lane), of(law.decay, p, lane), of(law.gain, p, lane)
             dr = decay * dr + gain * (fr - square * zr)
             di = decay * di + gain * (fi - square * zi)
             zr += dr
             zi += di
-            cos, sin = law.turn[turns + lane], law.turn[turns + LANES + lane]
+            cos, sin = turn[lane], turn[LANES + lane]
             turned, turned_i = cos * zr - sin * zi, cos * zi + sin * zr
-            z[at + lane], z[at + LANES + lane] = turned, turned_i
-            z[at + 2 * LANES + lane], z[at + 3 * LANES + lane] = cos * dr - sin * di, cos * di + sin * dr
+            here[lane], here[LANES + lane] = turned, turned_i
+            here[2 * LANES + lane], here[3 * LANES + lane] = cos * dr - sin * di, cos * di + sin * dr
             sums[LANES + lane] += nr * turned + ni * turned_i
             sums[2 * LANES + lane] += ni * turned - nr * turned_i

@@ -129,13 +129,14 @@ def add_rollers(law: RollerLaw, cage: Array, x: Array, work: Array, force: Array
     across_row = len(law.opposed) * LANES
     for b in range(len(law.opposed)):
         i, j, k, at = law.place[b, 0] * LANES, law.place[b, 1] * LANES, law.place[b, 2] * LANES, b * LANES
+        x_b, y_b, z_b = x[i : i + LANES], x[j : j + LANES], x[k : k + LANES]
         pressed = 0
         for lane in range(LANES):
             c, s = cage[at + lane], cage[across_row + at + lane]
             radial = law.radial[at + lane]
-            work[lane] = radial * (x[i + lane] * c + x[j + lane] * s)
-            work[LANES + lane] = radial * (x[j + lane] * c - x[i + lane] * s)
-            offset = law.axial[at + lane] * x[k + lane] - law.clearance[at + lane]
+            work[lane] = radial * (x_b[lane] * c + y_b[lane] * s)
+            work[LANES + lane] = radial * (y_b[lane] * c - x_b[lane] * s)
+            offset = law.axial[at + lane] * z_b[lane] - law.clearance[at + lane]
             work[2 * LANES + lane] = offset
             pressed |= offset > 0.0
         for lane in range(3 * LANES):
@@ -146,12 +147,13 @@ def add_rollers(law: RollerLaw, cage: Array, x: Array, work: Array, force: Array
                 _add_pairs(law, law.start[b], law.start[b + 1], -1.0, work)
         else:
             _add_singles(law, law.start[b], law.start[b + 1], work)
+        force_x, force_y, force_z = force[i : i + LANES], force[j : j + LANES], force[k : k + LANES]
         for lane in range(LANES):
             c, s = cage[at + lane], cage[across_row + at + lane]
             radial, along, across = law.radial_force[at + lane], work[4 * LANES + lane], work[5 * LANES + lane]
-            force[i + lane] -= radial * (c * along - s * across)
-            force[j + lane] -= radial * (s * along + c * across)
-            force[k + lane] -= law.axial_force[at + lane] * work[3 * LANES + lane]
+            force_x[lane] -= radial * (c * along - s * across)
+            force_y[lane] -= radial * (s * along + c * across)
+            force_z[lane] -= law.axial_force[at + lane] * work[3 * LANES + lane]
 
 
 @apart
