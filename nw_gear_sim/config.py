@@ -123,7 +123,8 @@ def _resolved(values: Mapping[str, Any], place: str) -> dict[str, Any]:
         return dict(values)
     for key, value in pure.items():
         if key not in nondimensional.UNITS:
-            raise configfile.unknown_key(value.place, key, list(nondimensional.UNITS))
+            listed = "`nw_gear equilibrium --nondimensional` lists them"
+            raise InputError(value.place, f"a parameter that has a nondimensional form ({listed})", repr(key))
     draft: Configuration = _build(Configuration, {**values, **dict.fromkeys(pure, 1.0)}, "")
     kinematics, known = _derive(draft, place), configfile.leaves()
     out = dict(values)

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from nw_gear_common import names
 from nw_gear_common.tables import Array
 from nw_gear_sim.gearbox import Gearbox
+from nw_gear_sim.kinematics import bearing_kind
 from nw_gear_sim.layout import PLANETS
 from nw_gear_sim.physics.ring import joint_rows
 
@@ -70,8 +71,9 @@ def closed_stiffness(gearbox: Gearbox) -> Array:
             held = np.array([gearbox.laws.mesh.stiffness[names.MESHES.index(element.name.split()[1])]])
         elif element.group == "bearings":
             bearing = names.BEARINGS.index(element.name.split()[1])
-            tangent = gearbox.laws.bearings.stiffness[bearing] * CLOSED ** (gearbox.roller_exponent - 1)
-            held = np.full(len(held), gearbox.roller_exponent * tangent)
+            exponent = gearbox.bearings.exponent
+            tangent = exponent * gearbox.laws.bearings.stiffness[bearing] * CLOSED ** (exponent - 1)
+            held = np.full(len(held), tangent)
         replace(element, stiffness=held).add_to(matrix)
     return matrix
 
@@ -90,21 +92,20 @@ def _meshes(gearbox: Gearbox, q: Array) -> Iterator[Element]:
 
 def _bearings(gearbox: Gearbox, q: Array) -> Iterator[Element]:
     """Rollers as springs: d(K delta^n)/d delta along the direction in which each one is compressed."""
-    law, exponent = gearbox.laws.bearings, gearbox.roller_exponent
-    cage = gearbox.instants.cage[0]
+    law, exponent = gearbox.laws.bearings, gearbox.bearings.exponent
     for b, bearing in enumerate(names.BEARINGS):
-        own = slice(int(law.start[b]), int(law.start[b + 1]))
-        turn = cage[b, 0] + 1j * cage[b, 1]
-        direction = (law.cos[own] + 1j * law.sin[own]) * turn
+        count = getattr(gearbox.bearings, bearing_kind(bearing)).rollers
+        cos, sin = gearbox.instants.cage[0, b]
+        direction = np.exp(2j * np.pi * np.arange(count) / count) * (cos + 1j * sin)
         columns = [law.radial[b] * direction.real, law.radial[b] * direction.imag]
         places = list(law.place[b, :2])
         if law.place[b, 2] >= 0:
-            columns.append(np.full(len(direction), law.axial[b]))
+            columns.append(np.full(count, law.axial[b]))
             places.append(law.place[b, 2])
         rows = np.array(columns).T
         squeeze = np.maximum(rows @ q[places] - law.clearance[b], 0.0)
         tangent = np.where(squeeze > 0, exponent * law.stiffness[b] * squeeze ** (exponent - 1), 0.0)
-        yield Element(f"bearing {bearing}", "bearings", np.tile(np.array(places), (len(rows), 1)), rows, tangent)
+        yield Element(f"bearing {bearing}", "bearings", np.tile(np.array(places), (count, 1)), rows, tangent)
 
 
 def _springs(gearbox: Gearbox) -> Iterator[Element]:

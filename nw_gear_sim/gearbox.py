@@ -27,7 +27,7 @@ class Gearbox:
 
     def __init__(self, configuration: Configuration, excitation: str = "kinematic") -> None:
         self.kinematics = derive(configuration)
-        self.roller_exponent = configuration.bearings.exponent
+        self.bearings = configuration.bearings
         self.laws, self.layout = assemble(configuration, excitation)
         self.mass = masses(configuration, self.kinematics, self.layout)
         self.instants = model.new_instants(self.laws)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from nw_gear_sim.kinematics import Kinematics
 from nw_gear_sim.params import Configuration
 
-FEW_SEGMENTS = 50
-"""Below this the segments' own passing and the joints' coarseness move the lowest ring modes by more than about 1 %."""
+FEW_SEGMENTS = 25
+"""With these the twenty lowest natural frequencies are still within 2 % of those with 200 segments (measured)."""
 
 
 def remarks(configuration: Configuration, kinematics: Kinematics) -> list[str]:
@@ -22,7 +22,7 @@ def remarks(configuration: Configuration, kinematics: Kinematics) -> list[str]:
         what = "the mesh frequency of stage I" if times == 1 else f"{times} times the mesh frequency of stage I"
         found.append(f"ring.segments: {count} segments pass a planet at {what}; their effects can't be told apart")
     if count < FEW_SEGMENTS:
-        found.append(f"ring.segments: {count} is coarse; ring modes are lower than those of a smooth ring")
+        found.append(f"ring.segments: {count} are few; the lowest natural frequencies are off by more than 2 %")
     for stage in kinematics.stages:
         if stage.pair.contact_ratio < 1.0:
             ratio = f"{stage.pair.contact_ratio:.3f}"

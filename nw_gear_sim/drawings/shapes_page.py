@@ -52,8 +52,8 @@ def shapes_page(
     intro = (
         conditions,
         "Front view: the gears' pitch circles and the ring's outer edge, at rest in grey, moved in colour; "
-        "spokes show rotations. Motions are far enlarged and the largest in the plane is the same in each mode. "
-        "Bearings and axial motions stand in the diagrams on the right.",
+        "spokes show rotations. The largest motion of the mode is drawn as long as the slider says, in m; where "
+        "it is an axial one, little moves here, and the diagrams on the right show more.",
     )
     return render("Mode shapes", intro, [("", "", _layout(gearbox, shapes, modes, angle))])
 
@@ -79,7 +79,7 @@ def _layout(gearbox: Gearbox, shapes: Shapes, modes: Sequence[Participation], an
         width=420,
         options=[(str(k), f"{k + 1}: {f:.2f} Hz, {mode.name}") for k, (f, mode) in enumerate(_pairs(shapes, modes))],
     )
-    size = Slider(title="Enlargement", start=0.02, end=0.3, step=0.01, value=0.12, width=200)
+    size = Slider(title="Largest motion (m)", start=0.02, end=0.3, step=0.01, value=0.12, width=200)
     moving = Toggle(label="Move", width=80)
     before, after = Button(label="Previous", width=80), Button(label="Next", width=80)
     arguments = {"data": data, "select": select, "size": size, "moving": moving, "facts": facts, **sources}
@@ -117,7 +117,7 @@ def _front(sources: dict[str, ColumnDataSource]) -> figure:
     plot.multi_line("xs", "ys", source=sources["rest"], color="#D0D3D8", line_width=1)
     plot.multi_line("xs", "ys", source=sources["moved"], color="colour", line_width="width")
     for kind, colour in COLOURS.items():
-        plot.line([], [], color=colour, line_width=2, legend_label=WORDS[kind])
+        plot.line([9, 9], [9, 9], color=colour, line_width=2, legend_label=WORDS[kind])
     plot.legend.location = "top_right"
     plot.legend.label_text_font_size = "11px"
     plot.legend.spacing = 0
@@ -139,7 +139,7 @@ def _ring_motion(sources: dict[str, ColumnDataSource]) -> figure:
         height=215,
         x_range=(0, 360),
         y_range=(-1.05, 1.05),
-        title="Motion of the ring around its circumference (largest motion of the mode = 1)",
+        title="Motion of the ring (largest motion of the mode = 1)",
         x_axis_label="Angle on the ring (deg)",
         tools="",
         toolbar_location=None,

@@ -8,18 +8,6 @@ function at(parts, k, phase) {
   return parts[0][k] * Math.cos(phase) - parts[1][k] * Math.sin(phase);
 }
 
-function largest(mode) {
-  let most = 1e-9;
-  const {w, v} = data.ring;
-  for (let i = 0; i < data.ring_angle.length; i++)
-    for (const motion of [w, v]) most = Math.max(most, Math.hypot(motion[mode][0][i], motion[mode][1][i]));
-  for (const gear of data.gears) {
-    const m = gear.motion[mode];
-    for (const [k, f] of [[0, 1], [1, 1], [2, gear.radius]]) most = Math.max(most, f * Math.hypot(m[0][k], m[1][k]));
-  }
-  return most;
-}
-
 function circle(x, y, radius, turn) {
   const xs = [], ys = [];
   for (let i = 0; i <= POINTS; i++) {
@@ -66,8 +54,7 @@ function bars(source, range, top) {
 
 function draw(phase) {
   const mode = Number(select.value);
-  const scale = size.value / largest(mode);
-  moved.data = outline(mode, scale, phase);
+  moved.data = outline(mode, size.value, phase);
   const turned = (parts) => data.ring_angle.map((_, k) => at(parts[mode], k, phase));
   ring.data = {angle: ring.data.angle, w: turned(data.ring.w), v: turned(data.ring.v), z: turned(data.ring.z)};
   bodies.data = {body: data.bodies, axial: data.bodies.map((_, k) => at(data.axial[mode], k, phase))};
