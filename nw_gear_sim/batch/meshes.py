@@ -138,7 +138,7 @@ def load_meshes(law: MeshLaw, step: float, psi: Array, state: MeshState) -> None
         psi: cosine and sine of psi, flat (2, 7, lanes).
         state: changed in place.
     """
-    _rub(law, step, state)
+    look_up_friction(law, step, state)
     for i in range(7 * LANES):
         stiffness = law.stiffness[i] + law.swing[i] * psi[i]
         elongation = state.y[i] + law.error_mean[i] + law.error_swing[i] * psi[7 * LANES + i]
@@ -158,8 +158,8 @@ def load_meshes(law: MeshLaw, step: float, psi: Array, state: MeshState) -> None
 
 
 @apart
-def _rub(law: MeshLaw, step: float, state: MeshState) -> None:
-    """Set g and g_1 of all meshes."""
+def look_up_friction(law: MeshLaw, step: float, state: MeshState) -> None:
+    """Set g and g_1 (m) of all meshes as `sliding` and `rolling`, at a number of steps."""
     for i in range(7 * LANES):
         turns = law.start[i] + law.advance[i] * step
         place = (turns - math.floor(turns)) * PHASES

@@ -120,3 +120,19 @@ def step_ring(law: RingLaw, shares: Array, z: Array, sums: Array) -> None:
             here[2 * LANES + lane], here[3 * LANES + lane] = cos * dr - sin * di, cos * di + sin * dr
             sums[LANES + lane] += nr * turned + ni * turned_i
             sums[2 * LANES + lane] += ni * turned - nr * turned_i
+
+
+@apart
+def contact_sums(law: RingLaw, zr: Array, zi: Array, sums: Array) -> None:
+    """Set the sums that `step_ring` leaves, for a Z of its own: real and imaginary part, (pairs, lanes)."""
+    for i in range(3 * LANES):
+        sums[i] = 0.0
+    for p in range(len(law.harmonic)):
+        for lane in range(LANES):
+            nr, ni = of(law.normal_re, p, lane), of(law.normal_im, p, lane)
+            along, across = nr * zr[p, lane] + ni * zi[p, lane], ni * zr[p, lane] - nr * zi[p, lane]
+            if p < law.straight:
+                sums[lane] += along
+            else:
+                sums[LANES + lane] += along
+                sums[2 * LANES + lane] += across
