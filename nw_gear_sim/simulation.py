@@ -16,10 +16,11 @@ from nw_gear_sim import config, model, stepping
 from nw_gear_sim.assembly import start_phases
 from nw_gear_sim.bounds import check_step
 from nw_gear_sim.equilibrium import find_equilibrium
+from nw_gear_sim.frictiontables import FrictionTables
 from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
-from nw_gear_sim.physics.friction import empty_table, fill_table
+from nw_gear_sim.physics.friction import empty_table
 from nw_gear_sim.solvers import make_solver
 
 STARTS = ("equilibrium", "zero")
@@ -177,7 +178,8 @@ class Simulation:
         self._readings = _Readings(configuration, self.gearbox)
         self._table, self._next_table = empty_table(), empty_table()
         self._table_speed = speed
-        fill_table(self.gearbox.laws.friction, speed, self._table)
+        self._friction = FrictionTables(self.gearbox.laws.friction)
+        self._friction.fill(speed, self._table)
 
     @property
     def q(self) -> Array:
@@ -232,13 +234,12 @@ class Simulation:
         return block
 
     def _fill_tables(self, drive: Drive) -> None:
-        friction = self.gearbox.laws.friction
         if drive.speed_start != self._table_speed:
-            fill_table(friction, drive.speed_start, self._table)
+            self._friction.fill(drive.speed_start, self._table)
         if drive.speed_end == drive.speed_start:
             self._next_table[:] = self._table
         else:
-            fill_table(friction, drive.speed_end, self._next_table)
+            self._friction.fill(drive.speed_end, self._next_table)
 
     def _divergence(self, done: int, state: str, value: float) -> Divergence:
         step = self._samples * self._steps_per_sample + done
