@@ -217,7 +217,7 @@ class _Walker:
         gearbox, speed = self._gearbox, float(self._grid[k])
         self.q = find_equilibrium(gearbox, self._torque(speed), speed=speed, angle=self._angle, guess=self.q).q
         wanted = self._count + self._count // 4 + 4
-        found = lowest_modes(linearise(gearbox, self.q), wanted, basis=3 * wanted)
+        found = lowest_modes(linearise(gearbox, self.q), wanted)
         chosen = np.arange(self._count)
         if before is not None:
             match = np.abs(self.shapes.vectors.conj().T @ (gearbox.mass[:, None] * found.vectors)) ** 2

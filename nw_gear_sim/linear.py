@@ -18,6 +18,9 @@ from nw_gear_common.tables import Array
 from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.integrator.rk4 import largest_stable_step
 
+BASIS = 160
+"""Least number of undamped modes in which the lowest modes are sought; the generator's damping couples so many."""
+
 Complex = npt.NDArray[np.complex128]
 
 
@@ -108,10 +111,11 @@ def lowest_modes(linear: Linearised, count: int, basis: int | None = None) -> Sh
     Args:
         linear: the linearised gearbox; the undamped modes are those of the symmetric part of its stiffness.
         count: pairs wanted.
-        basis: undamped modes taken, 4 count + 40 if not given; with all of them the result is exact.
+        basis: undamped modes taken, at least BASIS if not given; with all of them the result is exact. With 160 the
+            lowest 40 are good to about 1e-5 (measured at rated torque, a quarter and a fortieth of it).
     """
     size = len(linear.mass)
-    taken = min(4 * count + 40 if basis is None else basis, size)
+    taken = min(max(BASIS, 3 * count) if basis is None else basis, size)
     scale = 1 / np.sqrt(linear.mass)
     stiffness, damping = (matrix * np.outer(scale, scale) for matrix in (linear.stiffness, linear.damping))
     symmetric = 0.5 * (stiffness + stiffness.T)

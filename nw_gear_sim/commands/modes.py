@@ -20,6 +20,7 @@ from nw_gear_sim.commands.point import (
     LoadOption,
     Point,
     SpeedOption,
+    prepare,
     read_point,
     remark,
 )
@@ -57,7 +58,7 @@ def modes(
     as_json: JsonOption = False,
 ) -> None:
     """Find natural frequencies, damping, shapes and energies at the equilibrium; Campbell diagram over the speed."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads cost more than they bring at this size
+    prepare()
     from nw_gear_sim import config as configurations  # noqa: PLC0415 - numba and scipy only where they are needed
     from nw_gear_sim.elements import find_elements, rigid_motions  # noqa: PLC0415
     from nw_gear_sim.equilibrium import find_equilibrium  # noqa: PLC0415
