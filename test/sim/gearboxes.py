@@ -7,13 +7,16 @@ from functools import cache
 
 import numpy as np
 
+from nw_gear_common import names
 from nw_gear_common.tables import Array
 from nw_gear_sim.config import load, with_values
 from nw_gear_sim.equilibrium import Equilibrium, find_equilibrium
 from nw_gear_sim.gearbox import Gearbox
+from nw_gear_sim.kinematics import bearing_kind
 
 RATED_SPEED = 17.3 * 2 * math.pi / 60
 RATED_TORQUE = 4.3e6
+BEARINGS = load().bearings
 WITHOUT_FRICTION = (("friction.enabled", False),)
 WITHOUT_LOSSES = (
     *WITHOUT_FRICTION,
@@ -31,10 +34,13 @@ def make(*values: tuple[str, object], excitation: str = "kinematic") -> Gearbox:
 
 
 @cache
+def _found(*values: tuple[str, object]) -> Equilibrium:
+    return find_equilibrium(make(*values), RATED_TORQUE, speed=RATED_SPEED)
+
+
 def at_rest(*values: tuple[str, object]) -> tuple[Gearbox, Equilibrium]:
-    """A gearbox in static equilibrium at rated torque and speed, its instant set there."""
-    gearbox = make(*values)
-    found = find_equilibrium(gearbox, RATED_TORQUE, speed=RATED_SPEED)
+    """A new gearbox in static equilibrium at rated torque and speed, its instant set there."""
+    gearbox, found = make(*values), _found(*values)
     gearbox.set_instant(RATED_TORQUE, RATED_SPEED, static=True)
     gearbox.forces(found.q, np.zeros_like(found.q))
     return gearbox, found
@@ -89,7 +95,8 @@ def potential(gearbox: Gearbox, q: Array, torque: float) -> float:
     first, second = q[spring.first], q[spring.second]
     energy += 0.5 * np.sum(spring.aa * first**2 - 2 * spring.ab * first * second + spring.bb * second**2)
     for b, (x, y, axial) in enumerate(law.place):
-        angle = 2 * math.pi * np.arange(law.start[b + 1] - law.start[b]) / (law.start[b + 1] - law.start[b])
+        rollers = getattr(BEARINGS, bearing_kind(names.BEARINGS[b])).rollers
+        angle = 2 * math.pi * np.arange(rollers) / rollers
         squeeze = law.radial[b] * (q[x] * np.cos(angle) + q[y] * np.sin(angle)) + law.axial[b] * q[axial]
         power = 19 / 9
         energy += law.stiffness[b] / power * np.sum(np.maximum(squeeze - law.clearance[b], 0) ** power)

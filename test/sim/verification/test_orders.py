@@ -71,7 +71,7 @@ def by_gautschi(steps: int) -> Array:
     gautschi.start(x, v, whole(0.0, x, v), h, u, before)
     for k in range(steps):
         gautschi.extrapolate(u, before, v)
-        gautschi.proceed(data, force(k * h, x, v), x, u, before)
+        gautschi.proceed(data, force(k * h, x, v), x, u, before, v)
     return x
 
 
@@ -114,7 +114,7 @@ def test_exponential_methods_follow_the_linear_part_exactly() -> None:
     position, u, before = np.array([at(0.0)]), np.array([(at(0.0) - at(-h)) / h]), np.zeros(1)
     coefficients = gautschi.coefficients(square, damping, h)
     for _ in range(steps):
-        gautschi.proceed(coefficients, np.zeros(1), position, u, before)
+        gautschi.proceed(coefficients, np.zeros(1), position, u, before, v)
     assert position[0] == pytest.approx(at(time), rel=1e-9, abs=1e-9)
 
 
