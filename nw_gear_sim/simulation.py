@@ -275,25 +275,25 @@ class _Readings:
     def __init__(self, configuration: Configuration, gearbox: Gearbox) -> None:
         bodies, torsion, generator = gearbox.kinematics.bodies, configuration.torsion, configuration.generator
         gears = (bodies.planet_1, bodies.planet_2, bodies.sun, bodies.herringbone_1, bodies.herringbone_2)
-        self._radius = np.array([1.0, *(gear.base_radius for gear in gears)])
         self._ratio = np.array([gearbox.kinematics.shaft_ratio[shaft] for shaft in names.SHAFTS])
-        self._torsion = torsion
-        self._generator = generator
+        self._input = np.array([1.0, 0.0, 0.0, 1.0 / self._ratio[3]])
+        turned = np.diag([1.0, *(1.0 / gear.base_radius for gear in gears)])
+        self._shown = turned[:, [0, 1, 3, 5]]
+        bent = np.stack([turned[:, 1] - turned[:, 2], turned[:, 3] - turned[:, 4], turned[:, 5]], axis=1)
+        stiffness = np.array([torsion.planet, torsion.sun, generator.stiffness])
+        time = np.array([torsion.damping_time, torsion.damping_time, generator.damping_time])
+        self._by_twist, self._by_rate = np.zeros((6, 4)), np.zeros((6, 4))
+        self._by_twist[:, 1:], self._by_rate[:, 1:] = stiffness * bent, stiffness * time * bent
 
     def shafts(self, angle: Array, speed: Array, torque: Array, course: stepping.Course) -> tuple[Array, Array, Array]:
         """Return angle (rad), speed (rad/s) and torque (N m) of the shafts from those of the ring, each (n, 4)."""
-        twist, rate = course.twist / self._radius, course.twist_rate / self._radius
-        shown = [0, 1, 3, 5]
-        torsion, generator = self._torsion, self._generator
-        carried = np.empty((len(angle), 4))
-        carried[:, 0] = torque
-        for column, (first, second), stiffness in ((1, (1, 2), torsion.planet), (2, (3, 4), torsion.sun)):
-            bent = twist[:, first] - twist[:, second] + torsion.damping_time * (rate[:, first] - rate[:, second])
-            carried[:, column] = stiffness * bent
-        carried[:, 3] = torque / self._ratio[3] + generator.stiffness * (
-            twist[:, 5] + generator.damping_time * rate[:, 5]
+        twist, rate = course.twist, course.twist_rate
+        carried = torque[:, None] * self._input + twist @ self._by_twist + rate @ self._by_rate
+        return (
+            angle[:, None] * self._ratio + twist @ self._shown,
+            speed[:, None] * self._ratio + rate @ self._shown,
+            carried,
         )
-        return np.outer(angle, self._ratio) + twist[:, shown], np.outer(speed, self._ratio) + rate[:, shown], carried
 
 
 def steps_per_sample(step: float, sample_rate: float) -> int:
