@@ -4,6 +4,7 @@ import json
 import math
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,13 +32,19 @@ def smooth(tmp_path_factory) -> str:
 
 
 @pytest.fixture(scope="module")
+def at_rest(smooth: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(run("equilibrium", "--config", smooth, "--nondimensional", "--json").stdout)
+    return found
+
+
+@pytest.fixture(scope="module")
 def written(tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
     folder = tmp_path_factory.mktemp("modes") / "new" / "folder"
     return folder, run("modes", "--count", "24", "--speeds", "5", "--json", "--shapes", "-o", str(folder))
 
 
-def test_equilibrium_as_the_contract_says(smooth: str) -> None:
-    found = json.loads(run("equilibrium", "--config", smooth, "--json").stdout)
+def test_equilibrium_as_the_contract_says(at_rest: dict[str, Any]) -> None:
+    found = at_rest
     assert found["residual"] < 0.01
     assert set(found["torque_ratio"]) == {"ring", "sun", "herringbone_1", "generator"}
     assert list(found["torque_ratio"].values()) == pytest.approx([1] * 4, abs=1e-9)
@@ -52,9 +59,9 @@ def test_equilibrium_as_the_contract_says(smooth: str) -> None:
     assert set(found["bearing"]) == set(names.BEARINGS)
 
 
-def test_bearings_carry_mesh_and_weight(smooth: str) -> None:
+def test_bearings_carry_mesh_and_weight(at_rest: dict[str, Any]) -> None:
     """Planet 1: its two bearings take the radial and tangential mesh forces and the weight of gears and rings."""
-    found = json.loads(run("equilibrium", "--config", smooth, "--json").stdout)
+    found = at_rest
     first, second = (found["mesh"][m]["force"] for m in ("I_1", "II_1"))
     bb = [math.asin(math.sin(math.radians(b)) * math.cos(math.radians(20))) for b in (4.0, 7.2)]
     a = [math.radians(23.480), math.radians(20.146)]
@@ -63,16 +70,13 @@ def test_bearings_carry_mesh_and_weight(smooth: str) -> None:
     y -= 9.81 * (950 + 2320 + 400)
     carried = [found["bearing"]["pb1_1"][k] + found["bearing"]["pb2_1"][k] for k in "xyz"]
     axial = first * math.sin(bb[0]) - second * math.sin(bb[1])
-    assert carried[:2] == pytest.approx([x, y], rel=2e-5)
+    assert carried[:2] == pytest.approx([x, y], rel=1e-4)
     assert carried[2] == pytest.approx(axial, rel=1e-3)
 
 
 def test_load_speed_and_angle(smooth: str) -> None:
-    found = json.loads(
-        run(
-            "equilibrium", "--config", smooth, "--load", "25 %", "--speed", "8.65 r/min", "--angle", "90deg", "--json"
-        ).stdout
-    )
+    where = ("--load", "25 %", "--speed", "8.65 r/min", "--angle", "90deg")
+    found = json.loads(run("equilibrium", "--config", smooth, *where, "--json").stdout)
     assert found["torque"] == pytest.approx(0.25 * 4.3e6)
     assert found["speed"] == pytest.approx(8.65 * 2 * math.pi / 60)
     assert found["angle"] == pytest.approx(math.pi / 2)
@@ -95,8 +99,8 @@ def test_equilibrium_in_words(smooth: str) -> None:
     assert not any(mark in text for mark in "\x1b╭━─")
 
 
-def test_nondimensional_object(smooth: str) -> None:
-    found = json.loads(run("equilibrium", "--config", smooth, "--nondimensional", "--json").stdout)["nondimensional"]
+def test_nondimensional_object(at_rest: dict[str, Any]) -> None:
+    found = at_rest["nondimensional"]
     assert found["mesh"]["II_1"]["displacement"] == pytest.approx(2.377, abs=6e-4)
     assert found["mesh"]["II_1"]["force"] == pytest.approx((2.377 - 1) / math.cos(math.radians(6.7637)) ** 2, rel=2e-2)
     assert found["derived"]["f_g"] == pytest.approx(7.8e-3, rel=2e-3)
@@ -132,7 +136,7 @@ def test_what_is_written(written) -> None:
     assert diagram == found["campbell"]
     at = int(np.argmin(np.abs(np.array(diagram["speed"]) - diagram["rated_speed"])))
     followed = [mode["frequencies_hz"][at] for mode in diagram["modes"]]
-    assert followed == pytest.approx(found["frequencies_hz"][:24], rel=1e-4)
+    assert followed == pytest.approx(found["frequencies_hz"][:24], rel=2e-5)
 
 
 @pytest.mark.parametrize("page", ["campbell.html", "shapes.html"])
