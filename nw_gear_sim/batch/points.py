@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
 from nw_gear_sim.assembly import assemble, masses, start_phases
 from nw_gear_sim.batch import meshes, ringstep, rollers, stepping, wheels
 from nw_gear_sim.batch.pairs import Key, Pair, Residual, ring_pairs
-from nw_gear_sim.kinematics import Kinematics, derive
+from nw_gear_sim.kinematics import Kinematics, bearing_kind, derive
 from nw_gear_sim.layout import Layout
 from nw_gear_sim.model import Laws
 from nw_gear_sim.params import Configuration
@@ -322,7 +323,8 @@ def _gear_rows(points: Sequence[Point]) -> meshes.GearRows:
 
 def _rollers(points: Sequence[Point]) -> rollers.RollerLaw:
     laws = [point.laws.bearings for point in points]
-    start, opposed, cos, sin = rollers.pattern(np.diff(laws[0].start))
+    kinds = [getattr(points[0].configuration.bearings, bearing_kind(name)) for name in names.BEARINGS]
+    start, opposed, cos, sin = rollers.pattern(np.array([kind.rollers for kind in kinds]))
     return rollers.RollerLaw(
         place=np.array([[_row(points[0], k) for k in place] for place in laws[0].place.tolist()]),
         start=start,
