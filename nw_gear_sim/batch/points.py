@@ -92,18 +92,24 @@ def _fingerprint(laws: Laws, mass: Array, bandwidth: float | None) -> bytes:
     return b"".join(parts) + repr(bandwidth).encode()
 
 
-def block_laws(points: Sequence[Point], step: float, angle: Array) -> stepping.Laws:
+def ring_keys(points: Sequence[Point]) -> tuple[Key, ...]:
+    """Return the keys of the ring's pairs that occur in the points, sorted."""
+    return tuple(sorted(set().union(*(point.pairs for point in points))))
+
+
+def block_laws(points: Sequence[Point], step: float, angle: Array, keys: Sequence[Key]) -> stepping.Laws:
     """Return the constants of a block.
 
     Args:
         points: one for each lane.
         step: of time, s.
         angle: of the ring at step 0, rad, (LANES,).
+        keys: of the ring's pairs, those of all points.
     """
     psi = _psi(points, step, angle)
     return stepping.Laws(
         wheels=_wheels(points, step),
-        ring=_ring(points, step),
+        ring=_ring(points, step, keys),
         mesh=_meshes(points, step, psi),
         rollers=_rollers(points),
         psi=psi,
@@ -210,10 +216,9 @@ def _springs(point: Point, of: npt.NDArray[np.int64]) -> tuple[Array, Array, Arr
     return chain, twists[:, 0].copy(), twists[:, 1].copy(), twists[:, 2].copy(), time
 
 
-def _ring(points: Sequence[Point], step: float) -> ringstep.RingLaw:
+def _ring(points: Sequence[Point], step: float, keys: Sequence[Key]) -> ringstep.RingLaw:
     common = all(point.pairs is points[0].pairs for point in points)
     shown = points[:1] if common else points
-    keys = sorted(set().union(*(point.pairs for point in shown)))
     pairs = [[point.pairs.get(key, ZERO_PAIR) for point in shown] for key in keys]
 
     def column(name: str) -> npt.NDArray[Any]:
