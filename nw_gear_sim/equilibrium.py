@@ -12,7 +12,7 @@ from nw_gear_common.tables import Array
 from nw_gear_sim.elements import closed_stiffness
 from nw_gear_sim.gearbox import Gearbox
 
-TOLERANCE = 1e-3
+TOLERANCE = 1e-5
 """Largest residual force accepted, N."""
 MOST_ITERATIONS = 300
 BACK = 0.9

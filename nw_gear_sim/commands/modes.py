@@ -84,7 +84,10 @@ def modes(
         diagram = _follow(configuration, gearbox, torque, point.angle, (count, speeds, fastest, separation))
     if output is not None:
         words = _conditions(configuration, point)
-        shown["files"] = _write(output, shown, gearbox, shapes, taking_part, diagram, point, words, constant_load)
+        try:
+            shown["files"] = _write(output, shown, gearbox, shapes, taking_part, diagram, point, words, constant_load)
+        except OSError as error:
+            raise InputError(f"-o {output}", "files that can be written", error.strerror or str(error)) from None
     if with_shapes:
         shown["shapes"] = _shapes_object(gearbox, shapes)
     if as_json:

@@ -47,7 +47,7 @@ def campbell_page(diagram: Campbell, conditions: str) -> str:
         "equilibrium of each speed. A gap in a line means that the shape changed so much between two speeds that it "
         "may be another mode. Circles are crossings with mesh orders; filled ones have at least "
         f"{HIGH_SHARE:.0%} of the mode's strain energy in the meshes that excite it. Click on an entry of the legend "
-        "to hide it; draw a box to zoom.",
+        "to hide it; draw a box to zoom. Shaded: above rated speed.",
     )
     near = (
         f"Natural frequencies within {diagram.separation:.0%} of an excitation at rated speed. How much a mesh order "
