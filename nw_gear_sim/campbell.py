@@ -216,7 +216,7 @@ class _Walker:
         """Linearise at speed k; the modes are those at `before`, a neighbour visited last."""
         gearbox, speed = self._gearbox, float(self._grid[k])
         self.q = find_equilibrium(gearbox, self._torque(speed), speed=speed, angle=self._angle, guess=self.q).q
-        wanted = self._count + self._count // 4 + 4
+        wanted = min(self._count + self._count // 4 + 4, gearbox.layout.size)
         found = lowest_modes(linearise(gearbox, self.q), wanted)
         chosen = np.arange(self._count)
         if before is not None:

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from nw_gear_sim.params import Configuration
     from nw_gear_sim.participation import Participation
 
+MOST_FOLLOWED = 0.7
+"""Share of all modes that can be followed over the speed; some have to be left to tell them from."""
 METHOD = "all eigenvalues of the first-order system [0 1; -K/M -C/M] at the equilibrium, dense QR algorithm"
 
 
@@ -171,6 +173,7 @@ def _follow(
 
     turbine = configuration.turbine
     count, speeds, fastest, separation = wanted
+    followed = min(count, int(MOST_FOLLOWED * gearbox.layout.size))
     course = wind_torque(turbine.rated_torque, turbine.rated_speed) if torque is None else lambda _speed: torque
     try:
         return find_campbell(
@@ -178,7 +181,7 @@ def _follow(
             course,
             rated=turbine.rated_speed,
             speeds=np.linspace(0, fastest * turbine.rated_speed, speeds),
-            count=count,
+            count=followed,
             separation=separation,
             angle=angle,
             progress=_progress,
