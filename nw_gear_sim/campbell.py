@@ -22,33 +22,15 @@ from nw_gear_common import names
 from nw_gear_common.tables import Array
 from nw_gear_sim.elements import find_elements, rigid_motions
 from nw_gear_sim.equilibrium import find_equilibrium
+from nw_gear_sim.excitations import Order, orders
 from nw_gear_sim.gearbox import Gearbox
-from nw_gear_sim.kinematics import SHAFT_OF_BEARING, Kinematics
-from nw_gear_sim.layout import PLANETS
 from nw_gear_sim.linear import Shapes, linearise, lowest_modes
 from nw_gear_sim.participation import Participation, participations
 
 SEPARATION = 0.1
 """Distance of a natural frequency from an excitation, over the latter, below which it counts as near."""
-HARMONICS = 3
 ALIKE = 0.5
 """Least modal assurance criterion between neighbouring speeds for a mode to be the same one."""
-
-
-@dataclass(frozen=True)
-class Order:
-    """One excitation.
-
-    Attributes:
-        name: such as `mesh II, 2nd`; kind: `mesh`, `shaft`, `planet passing`, `rollers` or `segments`.
-        ratio: its frequency over that of the ring's rotation; stage, harmonic: of mesh orders, else "" and 1.
-    """
-
-    name: str
-    kind: str
-    ratio: float
-    stage: str = ""
-    harmonic: int = 1
 
 
 @dataclass(frozen=True)
@@ -107,23 +89,6 @@ class Campbell:
     crossings: list[Crossing]
     margins: list[Margin]
     separation: float
-
-
-def orders(kinematics: Kinematics) -> list[Order]:
-    """Return all excitations of a gearbox, with frequencies over that of the ring's rotation."""
-    found = []
-    for stage in kinematics.stages:
-        for n in range(1, HARMONICS + 1):
-            name = f"mesh {stage.name}" + ("" if n == 1 else f", {n}{'nd' if n == 2 else 'rd'}")
-            found.append(Order(name, "mesh", n * stage.mesh_ratio, stage.name, n))
-    found += [Order(f"shaft {shaft}", "shaft", kinematics.shaft_ratio[shaft]) for shaft in names.SHAFTS]
-    found.append(Order("planets pass the ring", "planet passing", float(PLANETS)))
-    passing: dict[float, list[str]] = {}
-    for kind in SHAFT_OF_BEARING:
-        passing.setdefault(kinematics.roller_pass_ratio[kind], []).append(kind)
-    found += [Order(f"rollers of {', '.join(kinds)}", "rollers", ratio) for ratio, kinds in passing.items()]
-    found.append(Order("ring segments (numerical)", "segments", float(kinematics.ring.count)))
-    return found
 
 
 def wind_torque(rated_torque: float, rated_speed: float) -> Callable[[float], float]:

@@ -21,8 +21,9 @@ from bokeh.models import (
 from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
-from nw_gear_sim.campbell import ALIKE, Campbell, Crossing, Order
+from nw_gear_sim.campbell import ALIKE, Campbell, Crossing
 from nw_gear_sim.drawings.page import BLACK, GREY, ORANGE, PINK, SKY, STAGE_COLOURS, render
+from nw_gear_sim.excitations import Order
 from nw_gear_sim.participation import KINDS
 
 KIND_COLOURS = dict(zip(KINDS, (BLACK, PINK, ORANGE, SKY, "#7B3294"), strict=True))

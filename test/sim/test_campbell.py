@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from nw_gear_sim.campbell import Campbell, as_object, find_campbell, orders, wind_torque
+from nw_gear_sim.campbell import Campbell, as_object, find_campbell, wind_torque
 from nw_gear_sim.equilibrium import find_equilibrium
+from nw_gear_sim.excitations import orders
 from nw_gear_sim.linear import linearise, lowest_modes
 from test.sim.gearboxes import RATED_SPEED, RATED_TORQUE, WITHOUT_FRICTION, make
 
