@@ -73,7 +73,7 @@ def fastest_eigenvalues(gearbox: Gearbox, q: Array) -> npt.NDArray[np.complex128
 def _modal_bound(solver: Modal, q: Array, step: float) -> float:
     """Return `step` where that is stable, otherwise the largest stable one below.
 
-    What grows at steps of any length isn't the integrator's fault but the gearbox's own: then the step counts as stable.
+    What grows at steps of any length is the gearbox's own motion, not the integrator's: then the step counts as stable.
     """
     stiffness, damping = solver.stiffest_tangent(q)
     laws, method = solver.laws, solver.method

@@ -58,6 +58,17 @@ class RingModes:
             self.damping[chosen][:, chosen],
         )
 
+    def padded(self, multiple: int) -> RingModes:
+        """Return the modes with idle ones at the end, which move nothing, so that their number suits vector units."""
+        more = -len(self.square) % multiple
+        return RingModes(
+            np.pad(self.shapes, ((0, 0), (0, more))),
+            np.pad(self.harmonic, (0, more), constant_values=-1),
+            np.pad(self.family, (0, more)),
+            np.pad(self.square, (0, more)),
+            np.pad(self.damping, ((0, more), (0, more))),
+        )
+
 
 class ContactTable(NamedTuple):
     """What a planet at contact angle A (rad, in the ring's frame) feels of the modes; KNOTS positions for each segment.

@@ -71,12 +71,13 @@ class Work(NamedTuple):
     """Scratch memory, and what the last evaluation found.
 
     Attributes:
-        padded: motions of the ring with neighbours at both ends; load: of the rollers.
+        padded: motions of the ring with neighbours at both ends; lean, load: of the rollers.
         housing: forces on the bearings' housings, N, (bearings, 3); contact: of the meshes.
         slopes, q, v: of the stages of a step.
     """
 
     padded: Array
+    lean: Array
     load: Array
     housing: Array
     contact: Contact
@@ -120,6 +121,7 @@ def new_work(laws: Laws) -> Work:
     dof = len(laws.weight)
     return Work(
         padded=np.zeros((4, len(laws.ring.cos) + 2)),
+        lean=np.zeros(len(laws.bearings.cos)),
         load=np.zeros(len(laws.bearings.cos)),
         housing=np.zeros((len(laws.bearings.stiffness), 3)),
         contact=Contact(np.zeros(7), np.zeros(7), np.zeros(7), np.zeros(7)),
@@ -195,7 +197,7 @@ def add_forces(laws: Laws, instants: Instants, slot: int, q: Array, v: Array, wo
         out[i] = laws.weight[i]
     out[laws.output] += laws.output_push * torque
     add_springs(laws.springs, q, v, out)
-    bearing_forces(laws.bearings, instants.cage[slot], q, work.load, work.housing)
+    bearing_forces(laws.bearings, False, instants.cage[slot], q, work.lean, work.load, work.housing)
     add_bearings(laws.bearings, work.housing, v, out)
     add_meshes(laws.mesh, instants.rows[slot], instants.excitation[slot], q, v, work.contact, out)
 

@@ -59,13 +59,19 @@ def extrapolate(u: Array, before: Array, v: Array) -> None:
 
 
 @fused
-def proceed(c: Coefficients, f: Array, x: Array, u: Array, before: Array) -> None:
-    """Advance by one step with the forces f per mass (m/s^2); x, u and the u before are changed in place."""
+def proceed(c: Coefficients, f: Array, x: Array, u: Array, before: Array, v: Array) -> None:
+    """Advance by one step with the forces f per mass (m/s^2).
+
+    x, u and the u before are changed in place; v is set as `extrapolate` does.
+    """
+    square, decay, weight, step = c
     for i in range(len(x)):
         last = u[i]
-        u[i] = c.decay[i] * last + c.weight[i] * (f[i] - c.square[i] * x[i])
-        x[i] += c.step * u[i]
+        new = decay[i] * last + weight[i] * (f[i] - square[i] * x[i])
+        x[i] += step * new
+        u[i] = new
         before[i] = last
+        v[i] = 1.5 * new - 0.5 * last
 
 
 @fused

@@ -18,7 +18,7 @@ from nw_gear_sim.compiled import fused, inlined, kernel, summing
 from nw_gear_sim.modal.laws import ModalLaws
 from nw_gear_sim.modalring import KNOTS
 from nw_gear_sim.model import Interval
-from nw_gear_sim.physics.bearing import bearing_forces
+from nw_gear_sim.physics.bearing import bearing_forces_here
 from nw_gear_sim.physics.friction import look_up
 from nw_gear_sim.physics.mesh import Contact, Indices, backlash_function, excite
 from nw_gear_sim.physics.spring import add_springs
@@ -54,11 +54,12 @@ class ModalWork(NamedTuple):
     """Scratch memory, and what the last evaluation found.
 
     Attributes:
-        load: of the rollers; housing: forces on the bearings' housings, N, (bearings, 3); contact: of the meshes as the
-            teeth see them; bare: elongations of the ring's meshes by what is kept, m, (3,).
+        lean, load: of the rollers; housing: forces on the bearings' housings, N, (bearings, 3).
+        contact: of the meshes as the teeth see them; bare: elongations of the ring's meshes by what is kept, m, (3,).
         slopes: forces per mass of the stages of a step, (4, n); x, v: their state.
     """
 
+    lean: Array
     load: Array
     housing: Array
     contact: Contact
@@ -88,6 +89,7 @@ def new_work(laws: ModalLaws) -> ModalWork:
     """Return scratch memory."""
     n = len(laws.weight)
     return ModalWork(
+        lean=np.zeros(len(laws.bearings.cos)),
         load=np.zeros(len(laws.bearings.cos)),
         housing=np.zeros((len(laws.cage_wheel), 3)),
         contact=Contact(np.zeros(7), np.zeros(7), np.zeros(7), np.zeros(7)),
@@ -139,9 +141,12 @@ def set_modal_instant(
     wheel = instants.wheel
     instants.torque[slot] = interval.torque_start + (interval.torque_end - interval.torque_start) * share
     instants.turn[slot, 0], instants.turn[slot, 1] = wheel[0, 0], wheel[1, 0]
+    last, cos, sin = -1, 0.0, 0.0
     for b in range(len(laws.cage_wheel)):
-        instants.cage[slot, b, 0] = wheel[0, laws.cage_wheel[b]]
-        instants.cage[slot, b, 1] = wheel[1, laws.cage_wheel[b]]
+        if laws.cage_wheel[b] != last:  # mostly it is the same; a loop of look-ups would be put into slow vectors
+            last = laws.cage_wheel[b]
+            cos, sin = wheel[0, last], wheel[1, last]
+        instants.cage[slot, b, 0], instants.cage[slot, b, 1] = cos, sin
     excitation = instants.excitation[slot]
     for m in range(7):
         k = 1 + laws.mesh.stage[m]
@@ -194,8 +199,12 @@ def accelerate(
         out[laws.first[k]] -= laws.coupling[k] * v[laws.second[k]]
     out[laws.output] += laws.output_push * torque
     add_springs(laws.springs, x, v, out)
-    bearing_forces(laws.bearings, instants.cage[slot], x, work.load, work.housing)
-    _add_housings(laws.bearings.place, work.housing, out)
+    bearing_forces_here(laws.bearings, laws.quick, instants.cage[slot], x, work.lean, work.load, work.housing)
+    for b in range(len(work.housing)):
+        for axis in range(3):
+            place = laws.bearings.place[b, axis]
+            if place >= 0:
+                out[np.uint64(place)] -= work.housing[b, axis]
     pushed = laws.push * torque
     others = work.contact.force[0] + work.contact.force[1] + work.contact.force[2]
     for j in range(3):
@@ -204,14 +213,6 @@ def accelerate(
     _other_meshes(laws, instants.excitation[slot], x, v, work.contact, out)
     for i in range(modes, len(out)):
         out[i] *= laws.inverse_mass[i]
-
-
-@kernel
-def _add_housings(place: Indices, housing: Array, force: Array) -> None:
-    for b in range(len(place)):
-        for axis in range(3):
-            if place[b, axis] >= 0:
-                force[place[b, axis]] -= housing[b, axis]
 
 
 @summing
@@ -227,7 +228,7 @@ def _along(low: Array, high: Array, share: float, x: Array, v: Array, modes: int
     return elongation, rate, slope
 
 
-@fused
+@inlined
 def _push_modes(
     normal: Array, slide: Array, roll: Array, share: float, total: float, sliding: float, rolling: float, out: Array
 ) -> None:
@@ -261,8 +262,9 @@ def _ring_mesh(
     bare = excitation[j, 1] + lean + along
     rate += excitation[j, 2] + slope * instants.drift[slot]
     for k in range(8, 12):
-        bare += normal[j, k] * x[place[j, k]]
-        rate += normal[j, k] * v[place[j, k]]
+        i = np.uint64(place[j, k])  # unsigned: no check for negative indices
+        bare += normal[j, k] * x[i]
+        rate += normal[j, k] * v[i]
     soft = instants.soft[slot, j, 0]
     elastic = soft * excitation[j, 0] * backlash_function(bare, laws.mesh.backlash[j])
     total = elastic
@@ -276,7 +278,7 @@ def _ring_mesh(
         laws.table.normal[knots], laws.table.slide[knots], laws.table.roll[knots], share, total, sliding, rolling, out
     )
     for k in range(8, 12):
-        out[place[j, k]] += slide[j, k] * sliding + roll[j, k] * rolling - normal[j, k] * total
+        out[np.uint64(place[j, k])] += slide[j, k] * sliding + roll[j, k] * rolling - normal[j, k] * total
     contact = work.contact
     work.bare[j] = bare
     contact.x[j] = bare - instants.flexibility[slot, j] * elastic
@@ -291,15 +293,18 @@ def _other_meshes(laws: ModalLaws, excitation: Array, x: Array, v: Array, contac
         elongation, rate = excitation[mesh, 1], excitation[mesh, 2]
         count = laws.mesh.entries[mesh]
         for k in range(count):
-            elongation += normal[mesh, k] * x[place[mesh, k]]
-            rate += normal[mesh, k] * v[place[mesh, k]]
+            i = np.uint64(place[mesh, k])
+            elongation += normal[mesh, k] * x[i]
+            rate += normal[mesh, k] * v[i]
         elastic = excitation[mesh, 0] * backlash_function(elongation, laws.mesh.backlash[mesh])
         total = elastic
         if laws.mesh.damping_in_gap or elastic != 0.0:
             total += laws.mesh.damping[mesh] * rate
         sliding, rolling = excitation[mesh, 3] * abs(elastic), excitation[mesh, 4] * abs(elastic)
         for k in range(count):
-            out[place[mesh, k]] += slide[mesh, k] * sliding + roll[mesh, k] * rolling - normal[mesh, k] * total
+            out[np.uint64(place[mesh, k])] += (
+                slide[mesh, k] * sliding + roll[mesh, k] * rolling - normal[mesh, k] * total
+            )
         contact.x[mesh], contact.force[mesh], contact.elastic[mesh] = elongation, total, elastic
 
 

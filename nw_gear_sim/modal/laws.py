@@ -22,6 +22,10 @@ COUPLING = 1e-9
 """Share of the largest modal damping below which a coupling of two modes is rounding."""
 
 
+VECTOR = 8
+"""Loops over the modes are fastest where their number is a multiple of this (measured with 64-byte vectors)."""
+
+
 class ModalLaws(NamedTuple):
     """All constants; n motions of which the first `modes` are the ring's.
 
@@ -36,6 +40,7 @@ class ModalLaws(NamedTuple):
         first, second, coupling: damping forces -coupling v[second] on modes `first` (1/s).
         weight: constant forces on the motions, (n,), N; inverse_mass: (n,), 1/kg.
         square, damping: of each motion as an oscillator of its own, (n,), 1/s^2 and 1/s.
+        quick: whether the bearings take the quick powers.
         wheel_ratio: angle of everything that turns over that of the ring: the ring, the meshes' phases I to III, cages.
         cage_wheel: which of them each bearing's cage is.
         output, output_push, probes: as in `model.Laws`.
@@ -61,6 +66,7 @@ class ModalLaws(NamedTuple):
     inverse_mass: Array
     square: Array
     damping: Array
+    quick: bool
     wheel_ratio: Array
     cage_wheel: Indices
     output: int
@@ -75,7 +81,7 @@ def choose_modes(gearbox: Gearbox, bandwidth: float, *, rigid: bool, coupled: bo
         gearbox: the whole model.
         bandwidth: frequency above which modes are left out, Hz; inf = none.
         rigid: the ring moves as one body.
-        coupled: keep the damping that couples modes.
+        coupled: keep the damping that couples modes, and take powers exactly.
     """
     law, count = gearbox.laws.ring, 4 * gearbox.layout.segments
     mass = gearbox.mass[:count]
@@ -85,7 +91,7 @@ def choose_modes(gearbox: Gearbox, bandwidth: float, *, rigid: bool, coupled: bo
     else:
         modes = ring_modes(law, mass)
         below = np.sqrt(modes.square) <= 2 * np.pi * bandwidth
-        kept, dropped = modes.select(below), modes.select(~below)
+        kept, dropped = modes.select(below).padded(VECTOR), modes.select(~below)
     return _laws(gearbox, kept, contact_table(gearbox.laws.engagement, kept, dropped), coupled), kept
 
 
@@ -95,6 +101,7 @@ def _laws(gearbox: Gearbox, ring: RingModes, table: ContactTable, coupled: bool)
     rest = slice(4 * segments, None)
     wheel_ratio, cage_wheel = np.unique(laws.bearings.cage_ratio, return_inverse=True)
     pull = laws.ring.weight * ring.shapes[: 2 * segments].reshape(2, segments, modes)
+    largest = np.max(np.abs(ring.shapes), axis=0)
     inverse_mass = np.concatenate([np.ones(modes), laws.inverse_mass[rest]])
     own_damping = np.zeros(gearbox.layout.size - 4 * segments)
     for places, damping in zip(laws.bearings.place, laws.bearings.damping, strict=True):
@@ -119,7 +126,7 @@ def _laws(gearbox: Gearbox, ring: RingModes, table: ContactTable, coupled: bool)
         weight_sin=-laws.ring.sin @ pull[0] - laws.ring.cos @ pull[1],
         turn=laws.ring.lever * ring.shapes[segments : 2 * segments].sum(axis=0),
         push=laws.ring.lever * table.push,
-        reach=np.concatenate([1 / np.max(np.abs(ring.shapes), axis=0), np.ones(len(own_damping))]),
+        reach=np.concatenate([1 / np.where(largest > 0.0, largest, 1.0), np.ones(len(own_damping))]),
         first=first,
         second=second,
         coupling=ring.damping[first, second],
@@ -127,6 +134,7 @@ def _laws(gearbox: Gearbox, ring: RingModes, table: ContactTable, coupled: bool)
         inverse_mass=inverse_mass,
         square=np.concatenate([ring.square, np.zeros(len(own_damping))]),
         damping=np.concatenate([np.diag(ring.damping), own_damping]),
+        quick=not coupled,
         wheel_ratio=np.concatenate([[1.0], laws.phase_ratio, wheel_ratio]),
         cage_wheel=4 + cage_wheel.astype(np.int64),
         output=laws.output - shift,

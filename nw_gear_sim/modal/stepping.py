@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.compiled import fused, kernel
+from nw_gear_sim.compiled import fused, kernel, summing
 from nw_gear_sim.integrator import etdrk4, gautschi
 from nw_gear_sim.modal.forces import (
     ModalInstants,
@@ -20,7 +20,7 @@ from nw_gear_sim.physics.mesh import Indices
 from nw_gear_sim.stepping import Course, count_contacts
 
 
-@fused
+@summing
 def advance_gautschi(
     laws: ModalLaws,
     oscillators: gautschi.Coefficients,
@@ -54,28 +54,28 @@ def advance_gautschi(
     """
     steps = len(course.x) * steps_per_sample
     start_wheels(laws.wheel_ratio, interval, oscillators.step, instants.wheel)
+    gautschi.extrapolate(u, before, work.v)
     for step in range(steps):
         set_modal_instant(laws, start, end, interval, step * oscillators.step, instants, 0)
         if step == 0:
             instants.torque[0] = 0.5 * (torque_before + interval.torque_start)
-        gautschi.extrapolate(u, before, work.v)
         accelerate(laws, instants, 0, x, work.v, work, work.slopes[0])
         count_contacts(laws.mesh.backlash, work.contact.x, course.open, course.back)
         sampled = step % steps_per_sample == 0
         if sampled:
             _copy(x, work.x)
-        gautschi.proceed(oscillators, work.slopes[0], x, u, before)
+        gautschi.proceed(oscillators, work.slopes[0], x, u, before, work.v)
         if sampled:
-            gautschi.centre(u, before, work.v)
-            mesh_rates(laws, instants, 0, work.x, work.v, work)
-            _record(step // steps_per_sample, laws.turn, laws.probes, work.x, work.v, work, course)
+            gautschi.centre(u, before, work.slopes[1])
+            mesh_rates(laws, instants, 0, work.x, work.slopes[1], work)
+            _record(step // steps_per_sample, laws.turn, laws.probes, work.x, work.slopes[1], work, course)
             if lost(laws.reach, x, limit) >= 0:
                 return step + 1
         turn_wheels(instants.wheel)
     return steps
 
 
-@fused
+@summing
 def advance_etdrk4(
     laws: ModalLaws,
     oscillators: etdrk4.Coefficients,
@@ -146,7 +146,7 @@ def _record(sample: int, turn: Array, probes: Indices, x: Array, v: Array, work:
     _twist(turn, probes, v, course.twist_rate[sample])
 
 
-@kernel
+@summing
 def _twist(turn: Array, probes: Indices, x: Array, out: Array) -> None:
     total = 0.0
     for i in range(len(turn)):

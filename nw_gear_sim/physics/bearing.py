@@ -19,12 +19,12 @@ import numpy as np
 import numpy.typing as npt
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.compiled import fused, kernel, summing
+from nw_gear_sim.compiled import fused, inlined, kernel, summing
 
 EXPONENTS = 64
 """Binary exponents of a compression that have a table entry: 2^-60 .. 2^3 m."""
-DEGREE = 11
-"""Degree of the polynomial for the mantissa's power; relative error below 1e-9 for exponents from 1 to 2."""
+DEGREE, QUICK_DEGREE = 11, 6
+"""Degrees of the polynomials for the mantissa's power; relative error below 1e-9 and 1e-7 for exponents from 1 to 2."""
 
 Indices = npt.NDArray[np.int64]
 
@@ -51,14 +51,20 @@ class Bearing(NamedTuple):
 class BearingLaw(NamedTuple):
     """All bearings as arrays: places (bearings, 3), data (bearings,), roller patterns one after the other.
 
+    Rollers of a bearing with an even number of them are taken in opposite pairs: unless the bearing is pressed together
+    axially by more than its clearance, only one of the two is loaded, so that one power serves both.
+
     Attributes:
-        start: first roller of each bearing in the pattern, and the total at the end, shape (bearings + 1,).
-        cos, sin: of 2 pi i / Z, shape (rollers,).
-        scale: 2^(e n) for the binary exponents e; polynomial: of m^n over the mantissa m in [1, 2), highest first.
+        start: first entry of each bearing in the pattern, and the total at the end, shape (bearings + 1,).
+        paired: whether an entry stands for two opposite rollers.
+        cos, sin: of 2 pi i / Z, shape (entries,).
+        scale: 2^(e n) for the binary exponents e.
+        polynomial, quick: of m^n over the mantissa m in [1, 2), highest first, of DEGREE and of QUICK_DEGREE.
     """
 
     place: Indices
     start: Indices
+    paired: npt.NDArray[np.bool_]
     cos: Array
     sin: Array
     stiffness: Array
@@ -69,18 +75,21 @@ class BearingLaw(NamedTuple):
     cage_ratio: Array
     scale: Array
     polynomial: Array
+    quick: Array
 
 
 def bearing_law(bearings: Sequence[Bearing], exponent: float) -> BearingLaw:
     """Prepare the arrays of all bearings; `exponent` is n of the roller load (1 to 2)."""
-    angles = [2 * math.pi * np.arange(b.rollers) / b.rollers for b in bearings]
+    counts = [b.rollers // 2 if b.rollers % 2 == 0 else b.rollers for b in bearings]
+    angles = [2 * math.pi * np.arange(count) / b.rollers for count, b in zip(counts, bearings, strict=True)]
 
     def column(values: Sequence[float]) -> Array:
         return np.array(values, dtype=np.float64)
 
     return BearingLaw(
         place=np.array([[b.x, b.y, b.z] for b in bearings], dtype=np.int64),
-        start=np.concatenate([[0], np.cumsum([b.rollers for b in bearings])]).astype(np.int64),
+        start=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        paired=np.array([b.rollers % 2 == 0 for b in bearings]),
         cos=np.cos(np.concatenate(angles)),
         sin=np.sin(np.concatenate(angles)),
         stiffness=column([b.stiffness for b in bearings]),
@@ -90,54 +99,75 @@ def bearing_law(bearings: Sequence[Bearing], exponent: float) -> BearingLaw:
         damping=column([b.damping for b in bearings]),
         cage_ratio=column([b.cage_ratio for b in bearings]),
         scale=np.array([2.0 ** ((e - EXPONENTS + 4) * exponent) for e in range(EXPONENTS)]),
-        polynomial=_mantissa_polynomial(exponent),
+        polynomial=_mantissa_polynomial(exponent, DEGREE),
+        quick=_mantissa_polynomial(exponent, QUICK_DEGREE),
     )
 
 
-def _mantissa_polynomial(exponent: float) -> Array:
+def _mantissa_polynomial(exponent: float, degree: int) -> Array:
     """Chebyshev interpolant of m^n on [1, 2], as coefficients in t = 2 m - 3, highest first."""
-    fit = np.polynomial.Chebyshev.interpolate(lambda m: m**exponent, DEGREE, domain=[1, 2])
+    fit = np.polynomial.Chebyshev.interpolate(lambda m: m**exponent, degree, domain=[1, 2])
     return np.ascontiguousarray(np.polynomial.chebyshev.cheb2poly(fit.coef)[::-1])
 
 
-@summing
-def bearing_forces(law: BearingLaw, cage: Array, q: Array, load: Array, housing: Array) -> None:
+def _bearing_forces(
+    law: BearingLaw, quick: bool, cage: Array, q: Array, lean: Array, load: Array, housing: Array
+) -> None:
     """Set the forces on the housings.
 
     Args:
         law: the bearings' arrays.
+        quick: take powers by the quick polynomial.
         cage: cosine and sine of each cage's angle, shape (bearings, 2).
         q: displacements, m.
-        load: scratch, one entry per roller.
+        lean, load: scratch, one entry for each entry of the pattern.
         housing: force on the housing, shape (bearings, 3), set here (N).
     """
-    _compress(law, cage, q, load)
-    power(law.scale, law.polynomial, load)
     cos, sin, start = law.cos, law.sin, law.start
     for b in range(len(law.stiffness)):
-        total, total_cos, total_sin = 0.0, 0.0, 0.0
-        for i in range(np.uint64(start[b]), np.uint64(start[b + 1])):  # unsigned: no check for negative indices
+        x, y = q[np.uint64(law.place[b, 0])], q[np.uint64(law.place[b, 1])]  # unsigned: no check for negative indices
+        offset = law.axial[b] * q[max(law.place[b, 2], 0)] - law.clearance[b]
+        along = law.radial[b] * (x * cage[b, 0] + y * cage[b, 1])
+        across = law.radial[b] * (y * cage[b, 0] - x * cage[b, 1])
+        if law.paired[b]:
+            for i in range(np.uint64(start[b]), np.uint64(start[b + 1])):
+                approach = along * cos[i] + across * sin[i]
+                reached = abs(approach) + offset
+                lean[i] = approach
+                load[i] = reached if reached > 0.0 else 0.0
+        else:
+            for i in range(np.uint64(start[b]), np.uint64(start[b + 1])):
+                reached = along * cos[i] + across * sin[i] + offset
+                lean[i] = 1.0
+                load[i] = reached if reached > 0.0 else 0.0
+    _raise(law, quick, load)
+    for b in range(len(law.stiffness)):
+        total, along, across = 0.0, 0.0, 0.0
+        for i in range(np.uint64(start[b]), np.uint64(start[b + 1])):
+            signed = load[i] if lean[i] > 0.0 else -load[i]
             total += load[i]
-            total_cos += load[i] * cos[i]
-            total_sin += load[i] * sin[i]
+            along += signed * cos[i]
+            across += signed * sin[i]
+        offset = law.axial[b] * q[max(law.place[b, 2], 0)] - law.clearance[b]
+        if law.paired[b] and offset > 0.0:  # the opposite rollers carry too
+            for i in range(np.uint64(start[b]), np.uint64(start[b + 1])):
+                reached = offset - abs(lean[i])
+                load[i] = reached if reached > 0.0 else 0.0
+            _raise(law, quick, load[start[b] : start[b + 1]])
+            for i in range(np.uint64(start[b]), np.uint64(start[b + 1])):
+                signed = load[i] if lean[i] > 0.0 else -load[i]
+                total += load[i]
+                along -= signed * cos[i]
+                across -= signed * sin[i]
         radial = law.stiffness[b] * law.radial[b]
-        housing[b, 0] = radial * (cage[b, 0] * total_cos - cage[b, 1] * total_sin)
-        housing[b, 1] = radial * (cage[b, 1] * total_cos + cage[b, 0] * total_sin)
+        housing[b, 0] = radial * (cage[b, 0] * along - cage[b, 1] * across)
+        housing[b, 1] = radial * (cage[b, 1] * along + cage[b, 0] * across)
         housing[b, 2] = law.stiffness[b] * law.axial[b] * total
 
 
-@fused
-def _compress(law: BearingLaw, cage: Array, q: Array, load: Array) -> None:
-    """Compression of each roller, 0 where it carries nothing, in the cage's frame."""
-    place, start, cos, sin = law.place, law.start, law.cos, law.sin
-    for b in range(len(law.stiffness)):
-        x, y = q[place[b, 0]], q[place[b, 1]]
-        offset = law.axial[b] * q[max(place[b, 2], 0)] - law.clearance[b]
-        along = law.radial[b] * (x * cage[b, 0] + y * cage[b, 1])
-        across = law.radial[b] * (y * cage[b, 0] - x * cage[b, 1])
-        for i in range(np.uint64(start[b]), np.uint64(start[b + 1])):
-            compression = along * cos[i] + across * sin[i] + offset
-            load[i] = compression if compression > 0.0 else 0.0
+bearing_forces = summing(_bearing_forces)
+bearing_forces_here = inlined(_bearing_forces)
+"""The same, put into its caller."""
 
 
 @kernel
@@ -148,6 +178,29 @@ def add_bearings(law: BearingLaw, housing: Array, v: Array, force: Array) -> Non
             k = law.place[b, axis]
             if k >= 0:
                 force[k] -= housing[b, axis] + law.damping[b] * v[k]
+
+
+@inlined
+def _raise(law: BearingLaw, quick: bool, load: Array) -> None:
+    if quick:
+        quick_power(law.scale, law.quick, load)
+    else:
+        power(law.scale, law.polynomial, load)
+
+
+@fused
+def quick_power(scale: Array, polynomial: Array, values: Array) -> None:
+    """Do the same as `power` with a polynomial of QUICK_DEGREE."""
+    bits = values.view(np.int64)
+    c0, c1, c2, c3 = polynomial[0], polynomial[1], polynomial[2], polynomial[3]
+    c4, c5, c6 = polynomial[4], polynomial[5], polynomial[6]
+    for i in range(len(values)):
+        word = bits[i]
+        exponent = (word >> 52) - 1023 + 60
+        mantissa = np.int64((word & 0xFFFFFFFFFFFFF) | 0x3FF0000000000000).view(np.float64)
+        t = 2.0 * mantissa - 3.0
+        result = (((((c0 * t + c1) * t + c2) * t + c3) * t + c4) * t + c5) * t + c6
+        values[i] = result * scale[min(max(exponent, 0), 63)] if exponent >= 0 else 0.0
 
 
 @fused

@@ -62,7 +62,7 @@ def add_springs(law: SpringLaw, q: Array, v: Array, force: Array) -> None:
     """Add the forces of all springs to `force`, displacements q (m) and velocities v (m/s), all of shape (dof,)."""
     first, second, aa, ab, bb, beta = law
     for k in range(len(first)):
-        i, j = first[k], second[k]
+        i, j = np.uint64(first[k]), np.uint64(second[k])  # unsigned: no check for negative indices
         qi = q[i] + beta[k] * v[i]
         qj = q[j] + beta[k] * v[j]
         force[i] -= aa[k] * qi - ab[k] * qj

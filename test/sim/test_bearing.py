@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.physics.bearing import Bearing, add_bearings, bearing_forces, bearing_law, power
+from nw_gear_sim.physics.bearing import Bearing, add_bearings, bearing_forces, bearing_law, power, quick_power
 
 INNER = Bearing(0, 1, 2, 28, 4.82e9, math.radians(12), 50e-6, 1e5, 0.44)
 PLAIN = Bearing(3, 4, -1, 20, 3.51e9, 0.0, 30e-6, 5e4, 0.42)
@@ -16,7 +16,7 @@ def run(bearings: list[Bearing], q: Array, cage: float, exponent: float = 10 / 9
     law = bearing_law(bearings, exponent)
     housing = np.zeros((len(bearings), 3))
     turn = np.tile([math.cos(cage), math.sin(cage)], (len(bearings), 1))
-    bearing_forces(law, turn, q, np.zeros(law.start[-1]), housing)
+    bearing_forces(law, False, turn, q, *np.zeros((2, law.start[-1])), housing)
     return housing
 
 
@@ -42,6 +42,9 @@ def test_power(exponent: float) -> None:
     law = bearing_law([INNER], exponent)
     power(law.scale, law.polynomial, raised)
     assert raised == pytest.approx(values**exponent, rel=1e-10)
+    quick = values.copy()
+    quick_power(law.scale, law.quick, quick)
+    assert quick == pytest.approx(values**exponent, rel=1e-7)
 
 
 def test_power_of_nothing_is_nothing() -> None:
@@ -51,12 +54,16 @@ def test_power_of_nothing_is_nothing() -> None:
     assert values.tolist() == [0.0, 0.0, 0.0]
 
 
+@pytest.mark.parametrize("rollers", [28, 29])
+@pytest.mark.parametrize("axial", [30e-6, 600e-6])
 @pytest.mark.parametrize("exponent", [10 / 9, 1.5])
 @pytest.mark.parametrize("cage", [0.0, 0.37, -12.9])
-def test_forces_roller_by_roller(cage: float, exponent: float) -> None:
-    q = np.array([120e-6, -80e-6, 30e-6, -45e-6, 60e-6])
-    housing = run([INNER, PLAIN], q, cage, exponent)
-    assert housing[0] == pytest.approx(roller_by_roller(INNER, *q[:3], cage, exponent), rel=1e-9)
+def test_forces_roller_by_roller(cage: float, exponent: float, axial: float, rollers: int) -> None:
+    """In pairs and odd numbers, and pressed together so much that all rollers carry."""
+    inner = INNER._replace(rollers=rollers)
+    q = np.array([120e-6, -80e-6, axial, -45e-6, 60e-6])
+    housing = run([inner, PLAIN], q, cage, exponent)
+    assert housing[0] == pytest.approx(roller_by_roller(inner, *q[:3], cage, exponent), rel=1e-9)
     assert housing[1] == pytest.approx(roller_by_roller(PLAIN, q[3], q[4], 0.0, cage, exponent), rel=1e-9, abs=1e-6)
     assert housing[1, 2] == 0.0
 

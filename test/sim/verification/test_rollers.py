@@ -47,7 +47,9 @@ def push(rollers: int, shift: Array, exponent: float, clearance: float = CLEARAN
     """Force on the housing."""
     bearing = Bearing(0, 1, 2, rollers, STIFFNESS, contact_angle, clearance, 0.0, 0.0)
     law, housing = bearing_law([bearing], exponent), np.zeros((1, 3))
-    bearing_forces(law, np.array([[math.cos(cage), math.sin(cage)]]), shift, *np.zeros((2, law.start[-1])), housing)
+    bearing_forces(
+        law, False, np.array([[math.cos(cage), math.sin(cage)]]), shift, *np.zeros((2, law.start[-1])), housing
+    )
     return housing[0]
 
 
