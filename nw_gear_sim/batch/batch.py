@@ -10,18 +10,19 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
 from nw_gear_sim.assembly import start_phases
-from nw_gear_sim.batch.beginning import resting_state
+from nw_gear_sim.batch.beginning import begin, resting_state
 from nw_gear_sim.batch.blocks import new_samples, new_state, new_strobe, new_work, with_room
 from nw_gear_sim.batch.lanes import LANES
 from nw_gear_sim.batch.meshes import STAGE
 from nw_gear_sim.batch.points import Point, block_laws, make_points, ring_keys
-from nw_gear_sim.batch.results import End, Span
 from nw_gear_sim.batch.rest import TOLERANCE
+from nw_gear_sim.batch.results import End, Span
 from nw_gear_sim.batch.stepping import Laws, Samples, State, Strobe, Work, advance
 from nw_gear_sim.equilibrium import NoEquilibrium
 from nw_gear_sim.params import Configuration
@@ -32,6 +33,7 @@ LARGEST_DISPLACEMENT = 0.05
 """A point diverges where a displacement leaves +- this, m."""
 SECTIONS = ("own", *names.STAGES)
 """Where Poincare points are taken: at the mesh phase of the mesh's own stage, or of one stage for all."""
+STARTS = ("equilibrium", "zero")
 LEAST_PERIOD = 4
 """Steps in the period of a Poincare section."""
 
@@ -63,7 +65,8 @@ class Batch:
         step: of time, s; None: numerics.step.
         sample_rate: of the waveform, Hz; None: no waveform.
         section: of SECTIONS.
-        start: where the points start; None: each at rest in static equilibrium.
+        start: `equilibrium`: each point at rest in its static equilibrium; `zero`: all displacements and velocities
+            zero, as in the paper; or the end of another batch.
         threads: None: as many as processors may be used.
 
     Raises:
@@ -80,7 +83,7 @@ class Batch:
         step: float | None = None,
         sample_rate: float | None = None,
         section: str = "own",
-        start: End | None = None,
+        start: End | str = "equilibrium",
         threads: int | None = None,
     ) -> None:
         if not configurations:
@@ -94,6 +97,7 @@ class Batch:
             ("ring", ring, ("flexible", "rigid")),
             ("excitation", excitation, ("kinematic", "tied")),
             ("section", section, SECTIONS),
+            ("start", start if isinstance(start, str) else STARTS[0], STARTS),
         ):
             if value not in known:
                 raise InputError(place, " or ".join(known), value)
@@ -103,15 +107,14 @@ class Batch:
         points = make_points(configurations, excitation, ring)
         self.speed = np.array([point.speed for point in points])
         self._keys = ring_keys(points)
-        self._angle = np.zeros(self.size) if start is None else start.angle
-        if start is not None:
+        self._angle = start.angle if isinstance(start, End) else np.zeros(self.size)
+        if isinstance(start, End):
             self._refuse(start)
         self._phase_ratio = np.array([point.laws.phase_ratio for point in points])
         self._steps = 0
         self._diverged = np.full(self.size, np.nan)
         self._blocks = [
-            self._block(points, slice(k, min(k + LANES, self.size)), section, start)
-            for k in range(0, self.size, LANES)
+            self._block(points, slice(k, min(k + LANES, self.size)), section, start) for k in range(0, self.size, LANES)
         ]
 
     @property
@@ -168,12 +171,15 @@ class Batch:
         if start.pairs != self._keys:
             raise InputError("start", "a batch with the same modes of the ring", "other ones")
 
-    def _block(self, points: list[Point], part: slice, section: str, start: End | None) -> _Block:
+    def _block(self, points: list[Point], part: slice, section: str, start: End | str) -> _Block:
         filled = [min(k, part.stop - 1) for k in range(part.start, part.start + LANES)]
         own = [points[k] for k in filled]
         angle = self._angle[filled]
         laws = block_laws(own, self.step, angle, self._keys)
-        if start is None:
+        if start == "zero":
+            state = new_state(laws)
+            begin(laws, state)
+        elif not isinstance(start, End):
             state, residual = resting_state(laws)
             for lane in np.flatnonzero(~(residual <= TOLERANCE)):
                 raise NoEquilibrium(f"point {filled[lane]} has no static equilibrium: {residual[lane]:.3g} N are left")
@@ -202,19 +208,17 @@ class Batch:
                     first[mesh, lane] += period[mesh, lane]
         return new_strobe(first, period)
 
-    def _run(self, block: _Block, steps: int) -> tuple[_Block, Strobe, Samples, Array]:
+    def _run(self, block: _Block, steps: int) -> tuple[_Block, Strobe, Samples, npt.NDArray[np.int64]]:
         strobe = with_room(block.strobe, steps)
         samples = new_samples(int(block.state.step[0]), steps, self._every)
         passed = block.strobe.passed.copy()
         block.state.mesh.open[:] = 0.0
         block.state.mesh.back[:] = 0.0
-        advance(
-            block.laws, block.state, block.work, strobe, samples, steps, self.step, LARGEST_DISPLACEMENT
-        )
+        advance(block.laws, block.state, block.work, strobe, samples, steps, self.step, LARGEST_DISPLACEMENT)
         return block, strobe, samples, passed
 
-    def _collect(self, parts: list[tuple[_Block, Strobe, Samples, Array]], steps: int) -> Span:
-        most = max(int(strobe.count.max()) for _, strobe, _, _ in parts)
+    def _collect(self, parts: list[tuple[_Block, Strobe, Samples, npt.NDArray[np.int64]]], steps: int) -> Span:
+        most = max(int(strobe.found.max()) for _, strobe, _, _ in parts)
         section = np.full((3, self.size, 7, most), np.nan)
         begin = -(-self._steps // self._every) if self._every else 0
         count = len(parts[0][2].x)
@@ -226,16 +230,30 @@ class Batch:
             at = (strobe.first + (passed + order) * strobe.period) * self.step
             for k, values in enumerate((at, strobe.x, strobe.v)):
                 shown = values[:most]
-                there = np.arange(len(shown))[:, None, None] < strobe.count
-                section[k, block.points, :, : len(shown)] = np.where(there, shown, np.nan)[..., :lanes].transpose(2, 1, 0)
+                there = np.arange(len(shown))[:, None, None] < strobe.found
+                section[k, block.points, :, : len(shown)] = np.where(there, shown, np.nan)[..., :lanes].transpose(
+                    2, 1, 0
+                )
             for k, wave in enumerate((samples.x, samples.force)):
                 waves[k, block.points] = wave.reshape(count, 7, LANES)[..., :lanes].transpose(2, 0, 1)
             for k, total in enumerate((block.state.mesh.open, block.state.mesh.back)):
                 shares[k, block.points] = total.reshape(7, LANES)[:, :lanes].T / steps
             seen = block.state.diverged[:lanes]
             self._diverged[block.points] = np.where(seen >= 0, seen * self.step, np.nan)
-        end = (self._steps + steps) * self.step
-        return _without_diverged(Span(self.time, end, *section, time, *waves, *shares, self._diverged.copy()))
+        span = Span(
+            start=self.time,
+            end=(self._steps + steps) * self.step,
+            section_time=section[0],
+            section_x=section[1],
+            section_v=section[2],
+            time=time,
+            x=waves[0],
+            force=waves[1],
+            open_fraction=shares[0],
+            back_fraction=shares[1],
+            diverged=self._diverged.copy(),
+        )
+        return _without_diverged(span)
 
 
 def _without_diverged(span: Span) -> Span:

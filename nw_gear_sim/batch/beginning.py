@@ -22,7 +22,6 @@ def resting_state(laws: Laws) -> tuple[State, Array]:
     """
     state = new_state(laws)
     set_phases(laws.psi, 0, state.psi)
-    set_phases(laws.cage, 0, state.cage)
     look_up_friction(laws.mesh, 0.0, state.mesh)
     mesh = laws.mesh
     stiffness = (mesh.stiffness + mesh.swing * state.psi[: 7 * LANES]).reshape(7, LANES)
@@ -54,6 +53,8 @@ def _ring_at_rest(laws: Laws, rest: Rest) -> Array:
 def begin(laws: Laws, state: State) -> None:
     """Set up the first step from displacements at rest: x(-h) = x(0) + h^2 a / 2."""
     ring, mesh = laws.ring, state.mesh
+    set_phases(laws.psi, 0, state.psi)
+    set_phases(laws.cage, 0, state.cage)
     pairs = state.z.reshape(-1, 4, LANES)
     turn = ring.turn.reshape(-1, 2, LANES)
     unit = (turn[:, 0] + 1j * turn[:, 1])[ring.harmonic]

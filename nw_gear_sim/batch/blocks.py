@@ -33,8 +33,8 @@ def new_state(laws: Laws) -> State:
 
 def copy_state(state: State) -> State:
     """Return a copy that shares no memory."""
-    parts = [MeshState(*(a.copy() for a in part)) if isinstance(part, MeshState) else part.copy() for part in state]
-    return State(*parts)
+    parts = {k: part.copy() for k, part in state._asdict().items() if k != "mesh"}
+    return State(mesh=MeshState(*(part.copy() for part in state.mesh)), **parts)
 
 
 def new_work() -> Work:
@@ -51,7 +51,7 @@ def new_strobe(first: Array, period: Array) -> Strobe:
         passed=np.zeros((7, LANES), dtype=np.int64),
         due=np.array([int(due)], dtype=np.int64),
         latest=np.zeros((4, 7 * LANES)),
-        count=np.zeros((7, LANES), dtype=np.int64),
+        found=np.zeros((7, LANES), dtype=np.int64),
         x=np.zeros((0, 7, LANES)),
         v=np.zeros((0, 7, LANES)),
     )
@@ -61,7 +61,7 @@ def with_room(strobe: Strobe, steps: int) -> Strobe:
     """Return the same sections with memory for the points of the next `steps` steps, and none counted."""
     shortest = float(np.min(strobe.period, initial=np.inf, where=strobe.period > 0))
     points = int(steps / shortest) + 2 if np.isfinite(shortest) else 0
-    strobe.count[:] = 0
+    strobe.found[:] = 0
     return strobe._replace(x=np.full((points, 7, LANES), np.nan), v=np.full((points, 7, LANES), np.nan))
 
 

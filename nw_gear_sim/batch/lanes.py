@@ -11,6 +11,7 @@ from typing import Any
 from numba.extending import overload
 
 from nw_gear_common.tables import Array
+from nw_gear_sim.compiled import kernel
 
 LANES = 16
 """Points in a block: two registers of AVX-512, four of AVX2."""
@@ -30,3 +31,13 @@ def _of(table: Any, row: Any, lane: Any) -> Any:  # numba calls it with types
         return table[row, lane]
 
     return shared if table.ndim == 1 else own
+
+
+@kernel
+def exact(a: float, b: float) -> float:
+    """Return a b, rounded.
+
+    In a b + c d the compiler may fuse either product with the sum, and may do it differently for different tables; in
+    exact(a, b) + c d it has no choice, so that a point's results don't depend on the others of its block.
+    """
+    return a * b

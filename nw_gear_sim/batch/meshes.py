@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.batch.lanes import LANES, of
+from nw_gear_sim.batch.lanes import LANES, exact, of
 from nw_gear_sim.compiled import apart
 
 Indices = npt.NDArray[np.int64]
@@ -120,8 +120,9 @@ def elongate(law: MeshLaw, x: Array, ring: Array, y: Array, force: Array) -> Non
         at, i, j = gears.mesh[g] * LANES, gears.turning[g] * LANES, gears.moving[g] * LANES
         y_g, turned, moved = y[at : at + LANES], x[i : i + LANES], x[j : j + 3 * LANES]
         for lane in range(LANES):
-            y_g[lane] += (
-                of(gears.normal, 4 * g, lane) * turned[lane]
+            y_g[lane] = (
+                y_g[lane]
+                + of(gears.normal, 4 * g, lane) * turned[lane]
                 + of(gears.normal, 4 * g + 1, lane) * moved[lane]
                 + of(gears.normal, 4 * g + 2, lane) * moved[LANES + lane]
                 + of(gears.normal, 4 * g + 3, lane) * moved[2 * LANES + lane]
@@ -186,8 +187,9 @@ def add_gear_forces(gears: GearRows, pushed: Array, slid: Array, rolled: Array, 
         turning, moving = force[i : i + LANES], force[j : j + 3 * LANES]
         for lane in range(LANES):
             p, s = push[lane], slide[lane]
-            rubbed = of(gears.slide, 3 * g, lane) * s + of(gears.roll, g, lane) * roll[lane]
-            turning[lane] += rubbed - of(gears.normal, 4 * g, lane) * p
-            moving[lane] += of(gears.slide, 3 * g + 1, lane) * s - of(gears.normal, 4 * g + 1, lane) * p
-            moving[LANES + lane] += of(gears.slide, 3 * g + 2, lane) * s - of(gears.normal, 4 * g + 2, lane) * p
+            rubbed = exact(of(gears.slide, 3 * g, lane), s) + of(gears.roll, g, lane) * roll[lane]
+            turning[lane] = turning[lane] + rubbed - of(gears.normal, 4 * g, lane) * p
+            x_rubbed, y_rubbed = of(gears.slide, 3 * g + 1, lane) * s, of(gears.slide, 3 * g + 2, lane) * s
+            moving[lane] = moving[lane] + x_rubbed - of(gears.normal, 4 * g + 1, lane) * p
+            moving[LANES + lane] = moving[LANES + lane] + y_rubbed - of(gears.normal, 4 * g + 2, lane) * p
             moving[2 * LANES + lane] -= of(gears.normal, 4 * g + 3, lane) * p

@@ -77,8 +77,10 @@ def make_points(configurations: Sequence[Configuration], excitation: str, ring: 
 
 
 def _refuse_different(first: Configuration, other: Configuration) -> None:
-    same = {"ring.segments": (first.ring.segments, other.ring.segments)}
-    same["bearings.exponent"] = (first.bearings.exponent, other.bearings.exponent)
+    same: dict[str, tuple[float, float]] = {
+        "ring.segments": (first.ring.segments, other.ring.segments),
+        "bearings.exponent": (first.bearings.exponent, other.bearings.exponent),
+    }
     for kind in ("pb1", "pb2", "sb", "b1", "b21", "b22"):
         counts = getattr(first.bearings, kind).rollers, getattr(other.bearings, kind).rollers
         same[f"bearings.{kind}.rollers"] = counts

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -133,17 +134,18 @@ def _add_ring(laws: Laws, system: _System) -> None:
     towards = np.exp(1j * turns * np.arange(3)[None, :, None])  # pairs, contacts, 1
     at = r[:, None, :] * towards
 
-    def flexibility(row: npt.NDArray[np.complex128]) -> Array:
+    def flexibility(row: npt.NDArray[Any]) -> Array:
         pushed = (row * inverse)[:, None, :] * towards
-        return np.einsum("pjl,pkl->ljk", np.conj(pushed), at).real.transpose(0, 2, 1)
+        found: Array = np.einsum("pjl,pkl->lkj", np.conj(pushed), at).real
+        return found
 
     beside, own = laws.mesh.beside.reshape(7, LANES)[0], laws.mesh.flexible.reshape(7, LANES)[0]
     matrix = flexibility(r) + beside[:, None, None] + (own + LEAST_FLEXIBILITY)[:, None, None] * np.eye(3)
     stiff = np.linalg.inv(matrix)
     contact = slice(MOTIONS + 1, MOTIONS + 4)
     system.stiffness[:, contact, contact] += stiff
-    shift = np.einsum("pl,pjl->lj", np.conj(load * inverse), at).real
-    system.load[:, contact] += np.einsum("ljk,lk->lj", stiff, shift)
+    shift: Array = np.einsum("pl,pjl->lj", np.conj(load * inverse), at).real
+    system.load[:, contact] += (stiff @ shift[..., None])[..., 0]
     system.normal[:, [0, 1, 2], [MOTIONS + 1, MOTIONS + 2, MOTIONS + 3]] = 1.0
     system.slide[:, :3, contact] = np.einsum("ljk,lkm->lmj", stiff, flexibility(s))
     system.roll[:, :3, contact] = np.einsum("ljk,lkm->lmj", stiff, flexibility(1j * rolled))

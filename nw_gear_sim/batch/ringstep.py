@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.batch.lanes import LANES, of
+from nw_gear_sim.batch.lanes import LANES, exact, of
 from nw_gear_sim.compiled import apart
 
 Indices = npt.NDArray[np.int64]
@@ -74,30 +74,26 @@ def step_ring(law: RingLaw, shares: Array, z: Array, sums: Array) -> None:
     """
     for i in range(3 * LANES):
         sums[i] = 0.0
-    for k in range(len(law.loaded)):
-        at = (law.loaded[k] * 4 + 2) * LANES
-        moved = z[at : at + 2 * LANES]
-        for i in range(2 * LANES):
-            moved[i] += law.kick[2 * k * LANES + i]
+    _kick(law, z)
     for p in range(law.straight):
         at, first = p * 4 * LANES, law.harmonic[p] * 2 * LANES
         turn, here = law.turn[first : first + 2 * LANES], z[at : at + 4 * LANES]
         for lane in range(LANES):
             nr, ni = of(law.normal_re, p, lane), of(law.normal_im, p, lane)
             pushed, slid = shares[lane], shares[3 * LANES + lane]
-            fr = of(law.slide_re, p, lane) * slid - nr * pushed
-            fi = of(law.slide_im, p, lane) * slid - ni * pushed + of(law.roll, p, lane) * shares[6 * LANES + lane]
+            fr = exact(of(law.slide_re, p, lane), slid) - nr * pushed
+            fi = exact(of(law.slide_im, p, lane), slid) - ni * pushed + of(law.roll, p, lane) * shares[6 * LANES + lane]
             zr, zi, dr, di = here[lane], here[LANES + lane], here[2 * LANES + lane], here[3 * LANES + lane]
             square, decay, gain = of(law.square, p, lane), of(law.decay, p, lane), of(law.gain, p, lane)
-            dr = decay * dr + gain * (fr - square * zr)
-            di = decay * di + gain * (fi - square * zi)
+            dr = exact(decay, dr) + gain * (fr - square * zr)
+            di = exact(decay, di) + gain * (fi - square * zi)
             zr += dr
             zi += di
             cos, sin = turn[lane], turn[LANES + lane]
-            turned, turned_i = cos * zr - sin * zi, cos * zi + sin * zr
+            turned, turned_i = exact(cos, zr) - sin * zi, exact(cos, zi) + sin * zr
             here[lane], here[LANES + lane] = turned, turned_i
-            here[2 * LANES + lane], here[3 * LANES + lane] = cos * dr - sin * di, cos * di + sin * dr
-            sums[lane] += nr * turned + ni * turned_i
+            here[2 * LANES + lane], here[3 * LANES + lane] = exact(cos, dr) - sin * di, exact(cos, di) + sin * dr
+            sums[lane] = sums[lane] + nr * turned + ni * turned_i
     for p in range(law.straight, len(law.harmonic)):
         at, first = p * 4 * LANES, law.harmonic[p] * 2 * LANES
         turn, here = law.turn[first : first + 2 * LANES], z[at : at + 4 * LANES]
@@ -106,20 +102,30 @@ def step_ring(law: RingLaw, shares: Array, z: Array, sums: Array) -> None:
             sr, si, roll = of(law.slide_re, p, lane), of(law.slide_im, p, lane), of(law.roll, p, lane)
             pushed, pushed_i = shares[LANES + lane], shares[2 * LANES + lane]
             slid, slid_i = shares[4 * LANES + lane], shares[5 * LANES + lane]
-            fr = ni * pushed_i - nr * pushed + sr * slid - si * slid_i - roll * shares[8 * LANES + lane]
-            fi = sr * slid_i + si * slid - nr * pushed_i - ni * pushed + roll * shares[7 * LANES + lane]
+            fr = exact(ni, pushed_i) - nr * pushed + sr * slid - si * slid_i - roll * shares[8 * LANES + lane]
+            fi = exact(sr, slid_i) + si * slid - nr * pushed_i - ni * pushed + roll * shares[7 * LANES + lane]
             zr, zi, dr, di = here[lane], here[LANES + lane], here[2 * LANES + lane], here[3 * LANES + lane]
             square, decay, gain = of(law.square, p, lane), of(law.decay, p, lane), of(law.gain, p, lane)
-            dr = decay * dr + gain * (fr - square * zr)
-            di = decay * di + gain * (fi - square * zi)
+            dr = exact(decay, dr) + gain * (fr - square * zr)
+            di = exact(decay, di) + gain * (fi - square * zi)
             zr += dr
             zi += di
             cos, sin = turn[lane], turn[LANES + lane]
-            turned, turned_i = cos * zr - sin * zi, cos * zi + sin * zr
+            turned, turned_i = exact(cos, zr) - sin * zi, exact(cos, zi) + sin * zr
             here[lane], here[LANES + lane] = turned, turned_i
-            here[2 * LANES + lane], here[3 * LANES + lane] = cos * dr - sin * di, cos * di + sin * dr
-            sums[LANES + lane] += nr * turned + ni * turned_i
-            sums[2 * LANES + lane] += ni * turned - nr * turned_i
+            here[2 * LANES + lane], here[3 * LANES + lane] = exact(cos, dr) - sin * di, exact(cos, di) + sin * dr
+            sums[LANES + lane] = sums[LANES + lane] + nr * turned + ni * turned_i
+            sums[2 * LANES + lane] = sums[2 * LANES + lane] + ni * turned - nr * turned_i
+
+
+@apart
+def _kick(law: RingLaw, z: Array) -> None:
+    """Add the constant forces to the displacements of the last step."""
+    for k in range(len(law.loaded)):
+        at = (law.loaded[k] * 4 + 2) * LANES
+        moved = z[at : at + 2 * LANES]
+        for i in range(2 * LANES):
+            moved[i] += law.kick[2 * k * LANES + i]
 
 
 @apart
@@ -130,7 +136,8 @@ def contact_sums(law: RingLaw, zr: Array, zi: Array, sums: Array) -> None:
     for p in range(len(law.harmonic)):
         for lane in range(LANES):
             nr, ni = of(law.normal_re, p, lane), of(law.normal_im, p, lane)
-            along, across = nr * zr[p, lane] + ni * zi[p, lane], ni * zr[p, lane] - nr * zi[p, lane]
+            along = exact(nr, zr[p, lane]) + ni * zi[p, lane]
+            across = exact(ni, zr[p, lane]) - nr * zi[p, lane]
             if p < law.straight:
                 sums[lane] += along
             else:

@@ -13,6 +13,7 @@ Relative error below 1e-6 for n from 1 to 2 and d from 1e-12 m to 1 m (a test ho
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -65,9 +66,10 @@ class RollerLaw(NamedTuple):
 def power_law(exponent: float) -> Power:
     """Prepare d^n for an exponent n from 1 to 2."""
 
-    def fit(function: object, degree: int, low: float, high: float) -> Singles:
+    def fit(function: Callable[[Array], Array], degree: int, low: float, high: float) -> Singles:
         found = np.polynomial.Chebyshev.interpolate(function, degree, domain=[low, high])
-        return found.convert(kind=np.polynomial.Polynomial).coef[::-1].astype(np.float32)
+        powers: Array = found.convert(kind=np.polynomial.Polynomial).coef
+        return powers[::-1].astype(np.float32)
 
     return Power(
         mantissa=fit(lambda m: (m + 1.5) ** (exponent - 1), 6, -0.5, 0.5),

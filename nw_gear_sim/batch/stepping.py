@@ -87,7 +87,7 @@ class Strobe(NamedTuple):
         passed: number of passages so far, (7, lanes).
         due: step at which the next passage of any point can be interpolated, (1,).
         latest: elongations of the last four steps, (4, 7 lanes).
-        count: points since the call began, (7, lanes); x, v: m and m/s, (points, 7, lanes).
+        found: points since the call began, (7, lanes); x, v: m and m/s, (points, 7, lanes).
     """
 
     first: Array
@@ -95,7 +95,7 @@ class Strobe(NamedTuple):
     passed: Indices
     due: Indices
     latest: Array
-    count: Indices
+    found: Indices
     x: Array
     v: Array
 
@@ -204,11 +204,11 @@ def _cut(strobe: Strobe, now: int, rate: float) -> None:
                 place = strobe.first[mesh, lane] + strobe.period[mesh, lane] * strobe.passed[mesh, lane]
                 below = int(place)
                 if below + 2 > now:
-                    due = min(due, below + 2)
+                    due = min(due, np.int64(below + 2))
                     break
                 _interpolate(strobe, mesh, lane, below, place - below, rate)
                 strobe.passed[mesh, lane] += 1
-                strobe.count[mesh, lane] += 1
+                strobe.found[mesh, lane] += 1
     strobe.due[0] = due
 
 
@@ -222,6 +222,6 @@ def _interpolate(strobe: Strobe, mesh: int, lane: int, below: int, s: float, rat
     first = c - a / 3.0 - b / 2.0 - d / 6.0
     second = 0.5 * (a + c) - b
     third = (d - a) / 6.0 + (b - c) / 2.0
-    row = strobe.count[mesh, lane]
+    row = strobe.found[mesh, lane]
     strobe.x[row, mesh, lane] = b + s * (first + s * (second + s * third))
     strobe.v[row, mesh, lane] = rate * (first + s * (2.0 * second + 3.0 * s * third))

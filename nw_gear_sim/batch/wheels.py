@@ -1,8 +1,8 @@
 """Gears and bearings of many points at once: springs along the shafts, and the step of every motion.
 
 The springs are those of `physics.spring`. Motions are sorted for straight loops: first the x, y, z of the shafts, the
-first part of every shaft and direction, then the second and so on; then one end of every torsion spring, then the other.
-A motion that stays at rest fills the gaps.
+first part of every shaft and direction, then the second and so on; then one end of every torsion spring, then the
+other. A motion that stays at rest fills the gaps.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.batch.lanes import LANES, of
+from nw_gear_sim.batch.lanes import LANES, exact, of
 from nw_gear_sim.compiled import apart
 
 CHAINS = 14
@@ -48,9 +48,9 @@ def set_spring_forces(law: WheelLaw, led: Array, force: Array) -> None:
         for lane in range(LANES):
             i = c * LANES + lane
             first, second, third, fourth = led[i], led[i + row], led[i + 2 * row], led[i + 3 * row]
-            a = of(law.spring, c, lane) * (first - second)
-            b = of(law.spring, c + CHAINS, lane) * (second - third)
-            d = of(law.spring, c + 2 * CHAINS, lane) * (third - fourth)
+            a = exact(of(law.spring, c, lane), first - second)
+            b = exact(of(law.spring, c + CHAINS, lane), second - third)
+            d = exact(of(law.spring, c + 2 * CHAINS, lane), third - fourth)
             force[i] = law.load[i] - a
             force[i + row] = law.load[i + row] + a - b
             force[i + 2 * row] = law.load[i + 2 * row] + b - d
@@ -76,8 +76,8 @@ def step_wheels(law: WheelLaw, force: Array, x: Array, moved: Array, led: Array)
         for lane in range(LANES):
             i, k = row * LANES + lane, row * LANES + LANES + lane
             before, before_2 = moved[i], moved[k]
-            d = of(law.decay, row, lane) * before + of(law.gain, row, lane) * force[i]
-            d_2 = of(law.decay, row + 1, lane) * before_2 + of(law.gain, row + 1, lane) * force[k]
+            d = exact(of(law.decay, row, lane), before) + of(law.gain, row, lane) * force[i]
+            d_2 = exact(of(law.decay, row + 1, lane), before_2) + of(law.gain, row + 1, lane) * force[k]
             place, place_2 = x[i] + d, x[k] + d_2
             moved[i], moved[k] = d, d_2
             x[i], x[k] = place, place_2
