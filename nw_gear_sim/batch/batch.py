@@ -18,9 +18,10 @@ from nw_gear_common.tables import Array
 from nw_gear_sim.assembly import start_phases
 from nw_gear_sim.batch.beginning import begin, resting_state
 from nw_gear_sim.batch.blocks import new_samples, new_state, new_strobe, new_work, with_room
+from nw_gear_sim.batch.constants import block_laws
 from nw_gear_sim.batch.lanes import LANES
 from nw_gear_sim.batch.meshes import STAGE
-from nw_gear_sim.batch.points import Point, block_laws, make_points, ring_keys
+from nw_gear_sim.batch.points import Point, make_points, ring_keys
 from nw_gear_sim.batch.rest import TOLERANCE
 from nw_gear_sim.batch.results import End, Span
 from nw_gear_sim.batch.stepping import Laws, Samples, State, Strobe, Work, advance
@@ -246,7 +247,7 @@ class Batch:
             section_time=section[0],
             section_x=section[1],
             section_v=section[2],
-            time=time,
+            time=np.asarray(time),
             x=waves[0],
             force=waves[1],
             open_fraction=shares[0],

@@ -68,8 +68,8 @@ def power_law(exponent: float) -> Power:
 
     def fit(function: Callable[[Array], Array], degree: int, low: float, high: float) -> Singles:
         found = np.polynomial.Chebyshev.interpolate(function, degree, domain=[low, high])
-        powers: Array = found.convert(kind=np.polynomial.Polynomial).coef
-        return powers[::-1].astype(np.float32)
+        powers = np.asarray(found.convert(kind=np.polynomial.Polynomial).coef, dtype=np.float32)
+        return powers[::-1].copy()
 
     return Power(
         mantissa=fit(lambda m: (m + 1.5) ** (exponent - 1), 6, -0.5, 0.5),

@@ -6,8 +6,9 @@ import pytest
 from nw_gear_common import names
 from nw_gear_sim.batch.batch import Batch
 from nw_gear_sim.batch.beginning import resting_state
+from nw_gear_sim.batch.constants import block_laws, places
 from nw_gear_sim.batch.lanes import LANES
-from nw_gear_sim.batch.points import block_laws, make_points, places, ring_keys
+from nw_gear_sim.batch.points import make_points, ring_keys
 from nw_gear_sim.batch.rollers import power_law, raise_all
 from nw_gear_sim.config import load, with_values
 from nw_gear_sim.equilibrium import find_equilibrium
