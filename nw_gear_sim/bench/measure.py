@@ -9,7 +9,7 @@ from typing import Any
 from nw_gear_common.benchmarking import Figure, Part
 from nw_gear_common.tables import Array
 from nw_gear_sim import config as configurations
-from nw_gear_sim.bench import accuracy, peers, results, speed
+from nw_gear_sim.bench import accuracy, peers, results, speed, sweep
 from nw_gear_sim.bench.cases import ACCURATE_STEP, FAST_STEP, PIECE, RATE, REFERENCE, Case, Method, cases
 from nw_gear_sim.bench.results import Measured
 from nw_gear_sim.params import Configuration
@@ -28,7 +28,7 @@ class Extent:
     Attributes:
         cases: names of those in which errors are measured, None for all; pieces: of each.
         others: methods beside the live ones.
-        seconds, repeats: of each timing; scipy, rattling: seconds simulated there.
+        seconds, repeats: of each timing; scipy, rattling: seconds simulated there; sweep: steps.
     """
 
     cases: tuple[str, ...] | None
@@ -37,10 +37,11 @@ class Extent:
     seconds: float
     repeats: int
     scipy: float
+    sweep: int
     rattling: float
 
 
-FULL = Extent(cases=None, others=OTHERS, pieces=7, seconds=0.5, repeats=7, scipy=0.01, rattling=8.0)
+FULL = Extent(cases=None, others=OTHERS, pieces=7, seconds=0.5, repeats=7, scipy=0.01, sweep=4000, rattling=8.0)
 QUICK = Extent(
     cases=(results.RATED, "torque_step"),
     others=(CLASSICAL,),
@@ -48,6 +49,7 @@ QUICK = Extent(
     seconds=0.05,
     repeats=3,
     scipy=0.003,
+    sweep=400,
     rattling=0.0,
 )
 
@@ -91,7 +93,10 @@ def measure(config: str | None, *, quick: bool, say: Callable[[str], None]) -> P
         "ratio_scipy_numpy_rhs": plain.cpu_per_second / live,
         "scipy": {"same_rhs": results.solved_values(same), "numpy_rhs": results.solved_values(plain)},
     }
-    values["sweep_points_per_second"] = None
+    say("simulator: sweeps")
+    values["sweep"], lines = sweep.measure(configuration, exact[results.RATED], extent.sweep)
+    values["sweep_points_per_second"] = values["sweep"]["accurate"]["points_per_second"]
+    figures += lines
     if extent.rattling:
         say("simulator: rattling")
         lines, values["rattling"] = _rattling(extent.rattling)
@@ -145,5 +150,7 @@ def _conditions(extent: Extent, compared: tuple[Case, ...]) -> tuple[str, ...]:
         "cases: " + "; ".join(f"{case.name}: {case.text}" for case in compared),
         f"scipy: solve_ivp RK45, rtol {peers.RTOL:g}, atol {peers.ATOL_DISPLACEMENT:g} m and "
         f"{peers.ATOL_VELOCITY:g} m/s, {1e3 * extent.scipy:g} ms at rated load, scaled to a second",
+        "sweep: points of different load in the lanes of one thread, points x simulated seconds per CPU second; its "
+        "contact between segments is modelled otherwise, which its error includes",
         "the NumPy right-hand side works on whole arrays, with sparse matrices and tabulated friction",
     )
