@@ -15,6 +15,8 @@ from nw_gear_sim.gearbox import Gearbox
 TOLERANCE = 1e-5
 """Largest residual force accepted, N."""
 MOST_ITERATIONS = 300
+DOUBTFUL = 80
+"""Iterations after which it is asked whether anything holds the gearbox at all; at any load it took fewer."""
 BACK = 0.9
 """A step is too long where this share of the driving force points back at its end."""
 STIFFNESS_ADDED = 1e8
@@ -69,7 +71,8 @@ def find_equilibrium(
     added, iterations = STIFFNESS_ADDED if guess is None else LEAST_ADDED, 0
     force = gearbox.forces(q, rest)
     while not _largest(force) <= TOLERANCE:
-        if iterations == MOST_ITERATIONS or not np.all(np.isfinite(force)):
+        hopeless = not np.all(np.isfinite(force)) or _largest(q) > 100 * FARTHEST
+        if hopeless or iterations == MOST_ITERATIONS or (iterations == DOUBTFUL and free_motions(gearbox)):
             raise _not_found(gearbox, q, force, torque)
         iterations += 1
         stiffness = gearbox.stiffness(q)

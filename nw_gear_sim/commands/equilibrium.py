@@ -14,7 +14,6 @@ from nw_gear_sim.commands.point import (
     JsonOption,
     LoadOption,
     SpeedOption,
-    prepare,
     read_point,
     remark,
 )
@@ -36,7 +35,6 @@ def equilibrium(
     as_json: JsonOption = False,
 ) -> None:
     """Find the static equilibrium: mesh displacements and forces, load shares, bearing forces, torques."""
-    prepare()
     from nw_gear_sim import config as configurations  # noqa: PLC0415 - numba and scipy only where they are needed
     from nw_gear_sim.gearbox import Gearbox  # noqa: PLC0415
     from nw_gear_sim.statics import as_object, find_statics  # noqa: PLC0415

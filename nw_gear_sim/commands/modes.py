@@ -18,7 +18,6 @@ from nw_gear_sim.commands.point import (
     LoadOption,
     Point,
     SpeedOption,
-    prepare,
     read_point,
     remark,
 )
@@ -55,7 +54,6 @@ def modes(
     as_json: JsonOption = False,
 ) -> None:
     """Find natural frequencies, damping, shapes and energies at the equilibrium; Campbell diagram over the speed."""
-    prepare()
     from nw_gear_sim import config as configurations  # noqa: PLC0415 - numba and scipy only where they are needed
     from nw_gear_sim.commands import modes_output  # noqa: PLC0415
 

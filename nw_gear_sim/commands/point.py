@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
@@ -41,14 +40,6 @@ class Point:
     torque: float
     speed: float
     angle: float
-
-
-def prepare() -> None:
-    """Keep the linear algebra of this process on one thread; more cost time at this size, on a busy machine a lot.
-
-    Has to be called before NumPy is imported, and leaves alone what the environment says.
-    """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def read_point(configuration: Configuration, load: str, speed: str, angle: str) -> Point:

@@ -57,7 +57,7 @@ def file(tmp_path: Path):
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     """A process of its own; nothing of it may be left."""
-    variables = environment() | {"OPENBLAS_NUM_THREADS": "1"}
+    variables = environment()
     return subprocess.run(arguments, capture_output=True, text=True, timeout=120, env=variables, check=False)
 
 
