@@ -82,7 +82,7 @@ def _modal_bound(solver: Modal, q: Array, step: float) -> float:
         matrix = method.step_matrix(method.coefficients(laws.square, laws.damping, h), stiffness, damping)
         return float(np.max(np.abs(scipy.linalg.eigvals(matrix, check_finite=False)))) <= 1.0 + GROWTH
 
-    low, high = step / 2**HALVINGS, step
+    low, high = step / 2.0**HALVINGS, step
     if stable(high) or not stable(low):
         return step
     for _ in range(HALVINGS):
