@@ -257,7 +257,7 @@ def _rollers(points: Sequence[Point]) -> rollers.RollerLaw:
     kinds = [getattr(points[0].configuration.bearings, bearing_kind(name)) for name in names.BEARINGS]
     start, opposed, cos, sin = rollers.pattern(np.array([kind.rollers for kind in kinds]))
     return rollers.RollerLaw(
-        place=np.array([[_row(points[0], k) for k in place] for place in laws[0].place.tolist()]),
+        first=np.array([_row(points[0], place[0]) for place in laws[0].place.tolist()]),
         start=start,
         opposed=opposed,
         cos=cos,

@@ -191,7 +191,8 @@ def _add_rollers(laws: Laws, w: Array, force: Array, matrix: Array) -> None:
     cage = laws.cage.start.reshape(-1, LANES)
     rows = [table.reshape(-1, LANES) for table in (law.radial, law.axial, law.clearance, law.radial_force)]
     exponent = 1 + float(law.power.slope[0]) / 2.0**23
-    for b, place in enumerate(law.place):
+    for b, first in enumerate(law.first):
+        place = np.arange(first, first + 3)
         radial, axial, clearance, radial_force = (row[b][:, None] for row in rows)
         count = (law.start[b + 1] - law.start[b]) * (2 if law.opposed[b] else 1)
         angle = cage[b][:, None] + 2 * math.pi * np.arange(count) / count

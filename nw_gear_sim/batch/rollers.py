@@ -41,7 +41,8 @@ class RollerLaw(NamedTuple):
     """All bearings: flat arrays (bearings, lanes) if not said otherwise.
 
     Attributes:
-        place: rows of x, y, z among the motions, (bearings, 3).
+        first: row of x among the motions, those of y and z follow, (bearings,). Where a bearing holds nothing axially,
+            the third row is another motion's, and the axial parts below are 0.
         start: first entry of each bearing in the pattern, and the total at the end.
         opposed: whether an entry stands for two opposite rollers.
         cos, sin: of the entries' angles at cage angle 0.
@@ -50,7 +51,7 @@ class RollerLaw(NamedTuple):
         power: of the roller's law.
     """
 
-    place: Indices
+    first: Indices
     start: Indices
     opposed: npt.NDArray[np.bool_]
     cos: Array
@@ -130,15 +131,16 @@ def add_rollers(law: RollerLaw, cage: Array, x: Array, work: Array, force: Array
     """
     across_row = len(law.opposed) * LANES
     for b in range(len(law.opposed)):
-        i, j, k, at = law.place[b, 0] * LANES, law.place[b, 1] * LANES, law.place[b, 2] * LANES, b * LANES
-        x_b, y_b, z_b = x[i : i + LANES], x[j : j + LANES], x[k : k + LANES]
+        at, row = b * LANES, law.first[b] * LANES
+        here, pushed = x[row : row + 3 * LANES], force[row : row + 3 * LANES]
+        cos, sin = cage[at : at + LANES], cage[across_row + at : across_row + at + LANES]
         pressed = 0
         for lane in range(LANES):
-            c, s = cage[at + lane], cage[across_row + at + lane]
+            c, s = cos[lane], sin[lane]
             radial = law.radial[at + lane]
-            work[lane] = radial * (x_b[lane] * c + y_b[lane] * s)
-            work[LANES + lane] = radial * (y_b[lane] * c - x_b[lane] * s)
-            offset = law.axial[at + lane] * z_b[lane] - law.clearance[at + lane]
+            work[lane] = radial * (here[lane] * c + here[LANES + lane] * s)
+            work[LANES + lane] = radial * (here[LANES + lane] * c - here[lane] * s)
+            offset = law.axial[at + lane] * here[2 * LANES + lane] - law.clearance[at + lane]
             work[2 * LANES + lane] = offset
             pressed |= offset > 0.0
         for lane in range(3 * LANES):
@@ -149,13 +151,12 @@ def add_rollers(law: RollerLaw, cage: Array, x: Array, work: Array, force: Array
                 _add_pairs(law, law.start[b], law.start[b + 1], -1.0, work)
         else:
             _add_singles(law, law.start[b], law.start[b + 1], work)
-        force_x, force_y, force_z = force[i : i + LANES], force[j : j + LANES], force[k : k + LANES]
         for lane in range(LANES):
-            c, s = cage[at + lane], cage[across_row + at + lane]
+            c, s = cos[lane], sin[lane]
             radial, along, across = law.radial_force[at + lane], work[4 * LANES + lane], work[5 * LANES + lane]
-            force_x[lane] -= radial * (c * along - s * across)
-            force_y[lane] -= radial * (s * along + c * across)
-            force_z[lane] -= law.axial_force[at + lane] * work[3 * LANES + lane]
+            pushed[lane] -= radial * (c * along - s * across)
+            pushed[LANES + lane] -= radial * (s * along + c * across)
+            pushed[2 * LANES + lane] -= law.axial_force[at + lane] * work[3 * LANES + lane]
 
 
 @apart
