@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from nw_gear_common import names
 from nw_gear_common.errors import InputError, NwGearError
 from nw_gear_common.tables import Array
 from nw_gear_sim import config, model, stepping
-from nw_gear_sim.assembly import start_phases
 from nw_gear_sim.bounds import check_step
 from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.frictiontables import FrictionTables
@@ -21,6 +18,7 @@ from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.friction import empty_table
+from nw_gear_sim.readings import Block, Readings
 from nw_gear_sim.solvers import make_solver
 
 STARTS = ("equilibrium", "zero")
@@ -46,34 +44,6 @@ class Divergence(NwGearError):
         self.state = state
         self.value = value
         self.step = step
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """Samples of one interval, C-contiguous arrays of n rows in SI units.
-
-    Attributes:
-        time: seconds since the start, (n,).
-        phase: unwrapped mesh phase of planet 1 in stages I, II, III, 0 at tooth entry, rad, (n, 3).
-        x, v, force: elongation x_n (m), its rate (m/s) and mesh force (N) in the order of names.MESHES, (n, 7).
-        bearing_force: x, y, z of the force on the housings in the order of names.BEARINGS, N, (n, 10, 3).
-        shaft_angle, shaft_speed, shaft_torque: unwrapped rotation (rad), rad/s and torque carried (N m) of ring
-            (mean), planet 1, sun, output shaft, each positive in its own sense of rotation and power flow, (n, 4).
-        open_fraction: share of the steps in which a mesh carried nothing, (7,).
-        back_fraction: share of the steps in which it carried on its back flanks, (7,).
-    """
-
-    time: Array
-    phase: Array
-    x: Array
-    v: Array
-    force: Array
-    bearing_force: Array
-    shaft_angle: Array
-    shaft_speed: Array
-    shaft_torque: Array
-    open_fraction: Array
-    back_fraction: Array
 
 
 class Simulation:
@@ -174,8 +144,7 @@ class Simulation:
         self.gearbox = Gearbox(configuration, excitation)
         self._angle = 0.0
         self._samples = 0
-        self._start_phase = np.array(start_phases(self.gearbox.kinematics))
-        self._readings = _Readings(configuration, self.gearbox)
+        self._readings = Readings(configuration, self.gearbox, sample_rate)
         self._table, self._next_table = empty_table(), empty_table()
         self._table_speed = speed
         self._friction = FrictionTables(self.gearbox.laws.friction)
@@ -226,7 +195,7 @@ class Simulation:
         lost = self._solver.lost()
         if lost is not None:
             raise self._divergence(done, *lost)
-        block = self._block(samples, interval, course, samples * self._steps_per_sample)
+        block = self._readings.block(self._samples, interval, course, self._steps_per_sample)
         self._angle += 0.5 * (drive.speed_start + drive.speed_end) * interval.duration
         self._samples += samples
         self._table, self._next_table = self._next_table, self._table
@@ -244,56 +213,6 @@ class Simulation:
     def _divergence(self, done: int, state: str, value: float) -> Divergence:
         step = self._samples * self._steps_per_sample + done
         return Divergence(step / (self.sample_rate * self._steps_per_sample), state, value, step)
-
-    def _block(self, samples: int, interval: model.Interval, course: stepping.Course, steps: int) -> Block:
-        index = np.arange(samples)
-        elapsed = index / self.sample_rate
-        share = index / samples
-        change = interval.speed_end - interval.speed_start
-        angle = interval.angle + (interval.speed_start + 0.5 * change * share) * elapsed
-        speed = interval.speed_start + change * share
-        torque = interval.torque_start + (interval.torque_end - interval.torque_start) * share
-        shaft_angle, shaft_speed, shaft_torque = self._readings.shafts(angle, speed, torque, course)
-        return Block(
-            time=(self._samples + index) / self.sample_rate,
-            phase=angle[:, None] * self.gearbox.laws.phase_ratio + self._start_phase,
-            x=course.x,
-            v=course.rate,
-            force=course.force,
-            bearing_force=course.housing,
-            shaft_angle=shaft_angle,
-            shaft_speed=shaft_speed,
-            shaft_torque=shaft_torque,
-            open_fraction=course.open / steps,
-            back_fraction=course.back / steps,
-        )
-
-
-class _Readings:
-    """Shaft angles, speeds and torques from the recorded rotations: ring mean, then model.Laws.probes."""
-
-    def __init__(self, configuration: Configuration, gearbox: Gearbox) -> None:
-        bodies, torsion, generator = gearbox.kinematics.bodies, configuration.torsion, configuration.generator
-        gears = (bodies.planet_1, bodies.planet_2, bodies.sun, bodies.herringbone_1, bodies.herringbone_2)
-        self._ratio = np.array([gearbox.kinematics.shaft_ratio[shaft] for shaft in names.SHAFTS])
-        self._input = np.array([1.0, 0.0, 0.0, 1.0 / self._ratio[3]])
-        turned = np.diag([1.0, *(1.0 / gear.base_radius for gear in gears)])
-        self._shown = turned[:, [0, 1, 3, 5]]
-        bent = np.stack([turned[:, 1] - turned[:, 2], turned[:, 3] - turned[:, 4], turned[:, 5]], axis=1)
-        stiffness = np.array([torsion.planet, torsion.sun, generator.stiffness])
-        time = np.array([torsion.damping_time, torsion.damping_time, generator.damping_time])
-        self._by_twist, self._by_rate = np.zeros((6, 4)), np.zeros((6, 4))
-        self._by_twist[:, 1:], self._by_rate[:, 1:] = stiffness * bent, stiffness * time * bent
-
-    def shafts(self, angle: Array, speed: Array, torque: Array, course: stepping.Course) -> tuple[Array, Array, Array]:
-        """Return angle (rad), speed (rad/s) and torque (N m) of the shafts from those of the ring, each (n, 4)."""
-        twist, rate = course.twist, course.twist_rate
-        carried = torque[:, None] * self._input + twist @ self._by_twist + rate @ self._by_rate
-        return (
-            angle[:, None] * self._ratio + twist @ self._shown,
-            speed[:, None] * self._ratio + rate @ self._shown,
-            carried,
-        )
 
 
 def steps_per_sample(step: float, sample_rate: float) -> int:
@@ -318,9 +237,8 @@ def compile_kernels(*integrators: str) -> None:
     """
     drive = Drive(1.8, 1.8, 4e6, 4e6)
     for integrator in integrators or INTEGRATORS:
-        simulation = Simulation(
-            config.with_values({"numerics.integrator": integrator}, config.load()), drive, start="zero"
-        )
+        numerics = {"numerics.integrator": integrator, "numerics.step": 1 / 40960}  # a step for all of them
+        simulation = Simulation(config.with_values(numerics, config.load()), drive, start="zero")
         simulation.advance(1, drive)
     simulation.gearbox.set_instant(drive.torque_start, drive.speed_start)
     simulation.gearbox.forces(simulation.q, simulation.v)

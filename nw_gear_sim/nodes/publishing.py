@@ -18,7 +18,7 @@ from nw_gear_common import names
 from nw_gear_common.diagnostics import OK, Diagnostics
 from nw_gear_common.ros import latched_qos, live_qos, to_message, to_stamp
 from nw_gear_common.tables import Array, Table
-from nw_gear_sim.simulation import Block
+from nw_gear_sim.readings import Block
 
 WAVEFORM_DEPTH = 100
 ACKNOWLEDGE_WITHIN = 3.0

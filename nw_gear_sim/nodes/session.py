@@ -12,7 +12,8 @@ from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.rotor import Rotor
-from nw_gear_sim.simulation import Block, Simulation, steps_per_sample
+from nw_gear_sim.readings import Block
+from nw_gear_sim.simulation import Simulation, steps_per_sample
 
 LONGEST_TICK = 0.0126
 """Seconds of simulated time integrated at once: short enough for views at 50 Hz and a smooth pace."""

@@ -7,7 +7,8 @@ from nw_gear_common.tables import Array
 from nw_gear_sim.config import load
 from nw_gear_sim.kinematics import derive
 from nw_gear_sim.physics.drive import Drive
-from nw_gear_sim.simulation import Block, Simulation
+from nw_gear_sim.readings import Block
+from nw_gear_sim.simulation import Simulation
 from test.sim.gearboxes import RATED_TORQUE
 
 pytestmark = pytest.mark.slow

@@ -11,7 +11,8 @@ from nw_gear_sim.config import load, with_values
 from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
-from nw_gear_sim.simulation import INTEGRATORS, Block, Divergence, Simulation, steps_per_sample
+from nw_gear_sim.readings import Block
+from nw_gear_sim.simulation import INTEGRATORS, Divergence, Simulation, steps_per_sample
 from test.sim.gearboxes import RATED_SPEED, RATED_TORQUE
 
 RATED = Drive(RATED_SPEED, RATED_SPEED, RATED_TORQUE, RATED_TORQUE)
