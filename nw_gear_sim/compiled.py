@@ -86,3 +86,6 @@ class _Apart(numba.core.compiler.Compiler):
 
 apart = _compiler(fastmath={"contract"}, pipeline_class=_Apart)
 """The same as `fused`, for functions which are never given the same array twice if they write to it."""
+
+rounding = _compiler(fastmath=False)
+"""The same as `kernel`, also where it is called by functions that fuse, whose options `kernel` would take over."""

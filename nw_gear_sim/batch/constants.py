@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from functools import cache
@@ -56,18 +57,30 @@ def _tables(*columns: Sequence[object]) -> list[Array]:
     return [np.ascontiguousarray(stack) for stack in stacks]
 
 
-def damped_step(square: Array, damping: Array, step: float) -> tuple[Array, Array]:
+@cache
+def damped_step(square: float, damping: float, step: float) -> tuple[float, float]:
     """Return decay and gain of d' = decay d + gain (f - square x), exact for the free motion.
 
     decay = exp(-gamma h), gain = (1 - 2 sqrt(decay) cos(w h) + decay) / square with w^2 = square - gamma^2 / 4; for
     square = 0 the gain is h (1 - decay) / gamma, or h^2.
     """
-    decay = np.exp(-damping * step)
-    beat = np.sqrt((square - damping**2 / 4).astype(np.complex128))
-    swing = (1 - 2 * np.sqrt(decay) * np.cos(beat * step).real + decay) / np.where(square > 0, square, 1.0)
-    small = damping * step < 1e-9
-    free = np.where(small, step**2, -step * np.expm1(-damping * step) / np.where(small, 1.0, damping))
-    return decay, np.where(square > 0, swing, free)
+    decay = math.exp(-damping * step)
+    if square > 0.0:
+        beat = cmath.sqrt(square - damping**2 / 4)
+        return decay, (1 - 2 * math.sqrt(decay) * cmath.cos(beat * step).real + decay) / square
+    return decay, step**2 if damping * step < 1e-9 else -step * math.expm1(-damping * step) / damping
+
+
+def _damped_steps(square: Array, damping: Array, step: float) -> tuple[Array, Array]:
+    """Return `damped_step` of arrays, number by number: NumPy's functions round by the place in an array."""
+    both = np.array([damped_step(w, g, step) for w, g in zip(square.flat, damping.flat, strict=True)])
+    return both[:, 0].reshape(square.shape), both[:, 1].reshape(square.shape)
+
+
+def _unit(angle: Array) -> tuple[Array, Array]:
+    """Return cosine and sine, number by number."""
+    cos = np.array([math.cos(a) for a in angle.flat]).reshape(angle.shape)
+    return cos, np.array([math.sin(a) for a in angle.flat]).reshape(angle.shape)
 
 
 @cache
@@ -95,7 +108,7 @@ def _row(point: Point, place: int) -> int:
 def _wheels(points: Sequence[Point], step: float) -> wheels.WheelLaw:
     loads, dampings, masses_, springs = zip(*(_motions(point) for point in points), strict=True)
     decay, gain = zip(
-        *(damped_step(np.zeros_like(d), d, step) for d in dampings),
+        *(_damped_steps(np.zeros_like(d), d, step) for d in dampings),
         strict=True,
     )
     gains = [np.where(np.isfinite(m), g / m, 0.0) for g, m in zip(gain, masses_, strict=True)]
@@ -154,7 +167,7 @@ def _ring(points: Sequence[Point], step: float, keys: Sequence[Key]) -> ringstep
         return np.ascontiguousarray(values[:, 0] if common else values)
 
     there = np.array([[key in point.pairs for point in shown] for key in keys])
-    decay, gain = (there * part for part in damped_step(column("square"), column("damping"), step))
+    decay, gain = (there * part for part in _damped_steps(column("square"), column("damping"), step))
     turns = sorted({_turns(key) for key in keys})
     angle = np.outer(turns, [point.speed * step for point in points])
     force = column("weight") + 1j * column("push") * np.array([point.torque for point in points])
@@ -163,7 +176,7 @@ def _ring(points: Sequence[Point], step: float, keys: Sequence[Key]) -> ringstep
     return ringstep.RingLaw(
         straight=sum(key[0] == 0 for key in keys),
         harmonic=np.array([turns.index(_turns(key)) for key in keys]),
-        turn=np.stack([np.cos(angle), np.sin(angle)], axis=1).reshape(-1),
+        turn=np.stack(_unit(angle), axis=1).reshape(-1),
         square=table(column("square")),
         decay=table(decay),
         gain=table(gain),
@@ -182,7 +195,7 @@ def _turns(key: Key) -> int:
 
 
 def _phases(start: Array, advance: Array) -> stepping.Phases:
-    turn = np.concatenate([np.cos(advance).ravel(), np.sin(advance).ravel()])
+    turn = np.stack(_unit(advance)).reshape(-1)
     return stepping.Phases(start.reshape(-1), advance.reshape(-1), turn)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from numba.extending import overload
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.compiled import kernel
+from nw_gear_sim.compiled import rounding
 
 LANES = 16
 """Points in a block: two registers of AVX-512, four of AVX2."""
@@ -33,7 +33,7 @@ def _of(table: Any, row: Any, lane: Any) -> Any:  # numba calls it with types
     return shared if table.ndim == 1 else own
 
 
-@kernel
+@rounding
 def exact(a: float, b: float) -> float:
     """Return a b, rounded.
 

@@ -143,12 +143,12 @@ def load_meshes(law: MeshLaw, step: float, psi: Array, state: MeshState) -> None
     for i in range(7 * LANES):
         stiffness = law.stiffness[i] + law.swing[i] * psi[i]
         elongation = state.y[i] + law.error_mean[i] + law.error_swing[i] * psi[7 * LANES + i]
-        rate = (3.0 * state.moved[i] - state.before[i]) * law.per_step + law.error_rate[i] * psi[i]
+        rate = exact(3.0 * state.moved[i] - state.before[i], law.per_step) + law.error_rate[i] * psi[i]
         softer = 1.0 / (1.0 + law.flexible[i] * stiffness)
         touching = abs(elongation) > law.backlash[i]
-        damped = law.damping[i] * rate * (softer if touching else law.gap_damping[i])
+        damped = exact(law.damping[i] * rate, softer if touching else law.gap_damping[i])
         elongation -= law.flexible[i] * damped
-        elastic = stiffness * softer * max(abs(elongation) - law.backlash[i], 0.0)
+        elastic = exact(stiffness * softer, max(abs(elongation) - law.backlash[i], 0.0))
         pointed = math.copysign(elastic, elongation)
         state.x[i] = elongation - law.flexible[i] * pointed
         state.force[i] = pointed + damped
@@ -162,8 +162,8 @@ def load_meshes(law: MeshLaw, step: float, psi: Array, state: MeshState) -> None
 def look_up_friction(law: MeshLaw, step: float, state: MeshState) -> None:
     """Set g and g_1 (m) of all meshes as `sliding` and `rolling`, at a number of steps."""
     for i in range(7 * LANES):
-        turns = law.start[i] + law.advance[i] * step
-        place = (turns - math.floor(turns)) * PHASES
+        turns = law.start[i] + exact(law.advance[i], step)
+        place = exact(turns - math.floor(turns), PHASES)
         whole = min(math.floor(place), PHASES - 1.0)
         state.place[i] = whole
         state.share[i] = place - whole
@@ -174,8 +174,8 @@ def look_up_friction(law: MeshLaw, step: float, state: MeshState) -> None:
             k, share = np.uint64(state.place[i]), state.share[i]
             after = k + np.uint64(1)
             near, far = law.table[stage, lane, k, 0], law.table[stage, lane, k, 1]
-            state.sliding[i] = near + share * (law.table[stage, lane, after, 0] - near)
-            state.rolling[i] = far + share * (law.table[stage, lane, after, 1] - far)
+            state.sliding[i] = near + exact(share, law.table[stage, lane, after, 0] - near)
+            state.rolling[i] = far + exact(share, law.table[stage, lane, after, 1] - far)
 
 
 @apart

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -127,44 +126,62 @@ def _add_springs(laws: Laws, stiffness: Array) -> None:
 def _add_ring(laws: Laws, system: _System) -> None:
     """Add the ring's rotation (unknown MOTIONS) and the displacements of its contacts (the three after it)."""
     ring, lanes = laws.ring, np.arange(LANES)
-    r, s, rolled, square, load = ring_rows(laws)
-    held = square > 0
-    inverse = np.where(held, 1.0 / np.where(held, square, 1.0), 0.0)
-    turns = np.where(np.arange(len(ring.harmonic)) < ring.straight, 0, 1)[:, None, None] * 2 * math.pi / 3
-    towards = np.exp(1j * turns * np.arange(3)[None, :, None])  # pairs, contacts, 1
-    at = r[:, None, :] * towards
+    square, (load_re, load_im) = wide(ring.square), ring_load(laws)
+    inverse = np.where(square > 0, 1.0 / np.where(square > 0, square, 1.0), 0.0)
+    at = _at_contacts(laws, wide(ring.normal_re), wide(ring.normal_im))
 
-    def flexibility(row: npt.NDArray[Any]) -> Array:
-        pushed = (row * inverse)[:, None, :] * towards
-        found: Array = np.einsum("pjl,pkl->lkj", np.conj(pushed), at).real
+    def flexibility(re: Array, im: Array) -> Array:
+        """Elongation of contact k by a force along a row of contact j, m/N, (LANES, k, j)."""
+        moved = _at_contacts(laws, re * inverse, im * inverse)
+        found = np.empty((LANES, 3, 3))
+        for k in range(3):
+            for j in range(3):
+                found[:, k, j] = np.sum(moved[0, :, j] * at[0, :, k] + moved[1, :, j] * at[1, :, k], axis=0)
         return found
 
     beside, own = laws.mesh.beside.reshape(7, LANES)[0], laws.mesh.flexible.reshape(7, LANES)[0]
-    matrix = flexibility(r) + beside[:, None, None] + (own + LEAST_FLEXIBILITY)[:, None, None] * np.eye(3)
-    stiff = np.linalg.inv(matrix)
+    matrix = flexibility(wide(ring.normal_re), wide(ring.normal_im)) + beside[:, None, None]
+    stiff = np.linalg.inv(matrix + (own + LEAST_FLEXIBILITY)[:, None, None] * np.eye(3))
     contact = slice(MOTIONS + 1, MOTIONS + 4)
     system.stiffness[:, contact, contact] += stiff
-    shift: Array = np.einsum("pl,pjl->lj", np.conj(load * inverse), at).real
-    system.load[:, contact] += (stiff @ shift[..., None])[..., 0]
+    shift = np.array([np.sum(inverse * (load_re * at[0, :, k] + load_im * at[1, :, k]), axis=0) for k in range(3)])
+    system.load[:, contact] += (stiff @ shift.T[..., None])[..., 0]
     system.normal[:, [0, 1, 2], [MOTIONS + 1, MOTIONS + 2, MOTIONS + 3]] = 1.0
-    system.slide[:, :3, contact] = np.einsum("ljk,lkm->lmj", stiff, flexibility(s))
-    system.roll[:, :3, contact] = np.einsum("ljk,lkm->lmj", stiff, flexibility(1j * rolled))
-    free = np.argmin(square + (r.imag == 0) * np.max(square), axis=0)
-    for rows, values in ((system.normal, r.imag), (system.slide, s.imag), (system.roll, rolled)):
-        rows[:, :3, MOTIONS] = values[free, lanes][:, None]
-    system.load[:, MOTIONS] += load.imag[free, lanes]
+    slide, roll = flexibility(wide(ring.slide_re), wide(ring.slide_im)), wide(ring.roll)
+    system.slide[:, :3, contact] = np.einsum("ljk,lkm->lmj", stiff, slide)
+    system.roll[:, :3, contact] = np.einsum("ljk,lkm->lmj", stiff, flexibility(np.zeros_like(roll), roll))
+    free = free_pair(laws)
+    for rows, values in ((system.normal, ring.normal_im), (system.slide, ring.slide_im), (system.roll, ring.roll)):
+        rows[:, :3, MOTIONS] = wide(values)[free, lanes][:, None]
+    system.load[:, MOTIONS] += load_im[free, lanes]
 
 
-def ring_rows(laws: Laws) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.complex128], Array, Array, Array]:
-    """Return normal and slide rows, imaginary roll row, omega^2 and constant forces of the pairs, (pairs, LANES)."""
+def _at_contacts(laws: Laws, re: Array, im: Array) -> Array:
+    """Return rows of the pairs (pairs, LANES) turned to the three contacts: real and imaginary, (2, pairs, 3, LANES).
+
+    In real numbers, since NumPy rounds products of complex ones differently in different places of an array.
+    """
+    turns = np.where(np.arange(len(re)) < laws.ring.straight, 0.0, 2 * math.pi / 3)[:, None, None]
+    cos, sin = np.cos(turns * np.arange(3)[:, None]), np.sin(turns * np.arange(3)[:, None])
+    re, im = re[:, None], im[:, None]
+    return np.stack([re * cos - im * sin, re * sin + im * cos])
+
+
+def free_pair(laws: Laws) -> npt.NDArray[np.int64]:
+    """Return the pair in which the ring turns freely, (LANES,)."""
+    square = wide(laws.ring.square)
+    found: npt.NDArray[np.int64] = np.argmin(square + (wide(laws.ring.normal_im) == 0) * np.max(square), axis=0)
+    return found
+
+
+def ring_load(laws: Laws) -> Array:
+    """Return the constant forces on the pairs, real and imaginary, (2, pairs, LANES)."""
     ring = laws.ring
-    normal = wide(ring.normal_re) + 1j * wide(ring.normal_im)
-    slide = wide(ring.slide_re) + 1j * wide(ring.slide_im)
-    load = np.zeros_like(normal)
-    kick = ring.kick.reshape(-1, 2, LANES)
+    load = np.zeros((2, len(ring.harmonic), LANES))
     gain, decay = wide(ring.gain)[ring.loaded], wide(ring.decay)[ring.loaded]
-    load[ring.loaded] = (kick[:, 0] + 1j * kick[:, 1]) * np.where(gain > 0, decay / np.where(gain > 0, gain, 1.0), 0.0)
-    return normal, slide, wide(ring.roll), wide(ring.square), load
+    back = np.where(gain > 0, decay / np.where(gain > 0, gain, 1.0), 0.0)
+    load[:, ring.loaded] = ring.kick.reshape(-1, 2, LANES).swapaxes(0, 1) * back
+    return load
 
 
 def _forces(
@@ -196,7 +213,8 @@ def _add_rollers(laws: Laws, w: Array, force: Array, matrix: Array) -> None:
         radial, axial, clearance, radial_force = (row[b][:, None] for row in rows)
         count = (law.start[b + 1] - law.start[b]) * (2 if law.opposed[b] else 1)
         angle = cage[b][:, None] + 2 * math.pi * np.arange(count) / count
-        towards = np.stack([radial * np.cos(angle), radial * np.sin(angle), np.broadcast_to(axial, angle.shape)])
+        unit = [np.array([turn(a) for a in angle.flat]).reshape(angle.shape) for turn in (math.cos, math.sin)]
+        towards = np.stack([radial * unit[0], radial * unit[1], np.broadcast_to(axial, angle.shape)])
         depth = np.maximum(np.einsum("dlr,ld->lr", towards, w[:, place]) - clearance, 0.0)
         load = radial_force / radial * depth**exponent
         slope = np.where(depth > 0, exponent * load / np.where(depth > 0, depth, 1.0), 0.0)

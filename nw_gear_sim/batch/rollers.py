@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.batch.lanes import LANES
+from nw_gear_sim.batch.lanes import LANES, exact
 from nw_gear_sim.compiled import apart
 
 Indices = npt.NDArray[np.int64]
@@ -138,8 +138,8 @@ def add_rollers(law: RollerLaw, cage: Array, x: Array, work: Array, force: Array
         for lane in range(LANES):
             c, s = cos[lane], sin[lane]
             radial = law.radial[at + lane]
-            work[lane] = radial * (here[lane] * c + here[LANES + lane] * s)
-            work[LANES + lane] = radial * (here[LANES + lane] * c - here[lane] * s)
+            work[lane] = radial * (exact(here[lane], c) + here[LANES + lane] * s)
+            work[LANES + lane] = radial * (exact(here[LANES + lane], c) - here[lane] * s)
             offset = law.axial[at + lane] * here[2 * LANES + lane] - law.clearance[at + lane]
             work[2 * LANES + lane] = offset
             pressed |= offset > 0.0
@@ -154,8 +154,8 @@ def add_rollers(law: RollerLaw, cage: Array, x: Array, work: Array, force: Array
         for lane in range(LANES):
             c, s = cos[lane], sin[lane]
             radial, along, across = law.radial_force[at + lane], work[4 * LANES + lane], work[5 * LANES + lane]
-            pushed[lane] -= radial * (c * along - s * across)
-            pushed[LANES + lane] -= radial * (s * along + c * across)
+            pushed[lane] -= radial * (exact(c, along) - s * across)
+            pushed[LANES + lane] -= radial * (exact(s, along) + c * across)
             pushed[2 * LANES + lane] -= law.axial_force[at + lane] * work[3 * LANES + lane]
 
 
@@ -167,7 +167,7 @@ def _add_pairs(law: RollerLaw, first: int, last: int, side: float, work: Array) 
     for i in range(first, last):
         cos, sin = law.cos[i], law.sin[i]
         for lane in range(LANES):
-            reach = side * (work[lane] * cos + work[LANES + lane] * sin)
+            reach = side * (exact(work[lane], cos) + work[LANES + lane] * sin)
             load = raised(max(side * abs(reach) + work[2 * LANES + lane], 0.0), slope, ps, qs)
             pointed = math.copysign(load, reach)
             work[3 * LANES + lane] += load
@@ -182,7 +182,7 @@ def _add_singles(law: RollerLaw, first: int, last: int, work: Array) -> None:
     for i in range(first, last):
         cos, sin = law.cos[i], law.sin[i]
         for lane in range(LANES):
-            reach = work[lane] * cos + work[LANES + lane] * sin
+            reach = exact(work[lane], cos) + work[LANES + lane] * sin
             load = raised(max(reach + work[2 * LANES + lane], 0.0), slope, ps, qs)
             work[3 * LANES + lane] += load
             work[4 * LANES + lane] += load * cos

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.batch.lanes import LANES
+from nw_gear_sim.batch.lanes import LANES, exact
 from nw_gear_sim.batch.meshes import MeshLaw, MeshState, add_gear_forces, elongate, load_meshes
 from nw_gear_sim.batch.ringstep import RingLaw, share_out, step_ring
 from nw_gear_sim.batch.rollers import RollerLaw, add_rollers
@@ -164,8 +164,8 @@ def turn(by: Array, unit: Array) -> None:
     half = len(unit) // 2
     for i in range(half):
         cos, sin = unit[i], unit[half + i]
-        unit[i] = cos * by[i] - sin * by[half + i]
-        unit[half + i] = sin * by[i] + cos * by[half + i]
+        unit[i] = exact(cos, by[i]) - sin * by[half + i]
+        unit[half + i] = exact(sin, by[i]) + cos * by[half + i]
 
 
 @apart
@@ -180,7 +180,7 @@ def set_phases(phases: Phases, step: int, unit: Array) -> None:
     """Set cosine and sine of phases at a step, flat (2, rows, lanes)."""
     half = len(phases.start)
     for i in range(half):
-        angle = phases.start[i] + phases.advance[i] * step
+        angle = phases.start[i] + exact(phases.advance[i], step)
         unit[i], unit[half + i] = math.cos(angle), math.sin(angle)
 
 

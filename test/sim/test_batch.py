@@ -55,6 +55,13 @@ def test_a_point_is_the_same_alone(sweep):
         same(alone, span, of=[0], to=[k])
 
 
+def test_equal_points_are_equal_in_every_lane():
+    batch = Batch(points(3)[2:] * 16, step=STEP)
+    batch.advance(0.01)
+    for name, part in batch.end().parts.items():
+        np.testing.assert_array_equal(part, np.repeat(part[:, :1], 16, axis=1), err_msg=name)
+
+
 def test_order_and_threads_do_not_matter(sweep):
     configurations, span = sweep
     order = np.random.default_rng(1).permutation(len(configurations))
