@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,8 @@ from nw_gear_sim.simulation import Simulation
 
 SETTLE = 0.002
 """Seconds at the start that are told apart: there the jump into the run is followed."""
+SETTLED = math.ceil(SETTLE * RATE)
+"""The first sample after it."""
 SKIPPED = 0.2
 """Share of a rattling run left out at its start."""
 
@@ -32,8 +35,7 @@ class Errors:
 def errors(configuration: Configuration, case: Case, exact: Array, method: Method) -> Errors:
     """Return the errors of a method in a case whose exact elongations are known, (samples, 7)."""
     error = np.max(np.abs(case.run(configuration, method) - exact), axis=1)
-    settled = round(SETTLE * RATE)
-    return Errors(later=float(np.max(error[settled:])), first=float(np.max(error[:settled])))
+    return Errors(later=float(np.max(error[SETTLED:])), first=float(np.max(error[:SETTLED])))
 
 
 def exact_runs(configuration: Configuration, cases: Sequence[Case]) -> dict[str, Array]:

@@ -14,13 +14,13 @@ from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.rotor import Rotor
 from nw_gear_sim.simulation import Simulation
 
-RATE = 20480.0
+RATE = 10240.0
 """Samples per second that are compared; divides all steps used here."""
 REFERENCE_STEP = 1.0 / 1024000.0
 """Step of the classical method that is taken for exact, s."""
-ACCURATE_STEP, FAST_STEP = 1.0 / 40960.0, 1.0 / 20480.0
-"""Steps of the live integrator, s."""
-PIECE = 128
+ACCURATE_STEP, FAST_STEP = 1.0 / 20480.0, 1.0 / 10240.0
+"""Steps of the live integrator, s: the default, and twice as long."""
+PIECE = 64
 """Samples integrated at once."""
 
 

@@ -16,8 +16,9 @@ from nw_gear_sim.params import Configuration
 
 LIVE = "gautschi"
 ACCURATE, FAST = Method(LIVE, ACCURATE_STEP), Method(LIVE, FAST_STEP)
-CLASSICAL = Method("rk4", ACCURATE_STEP)
-OTHERS = (Method("etdrk4", ACCURATE_STEP), Method("etdrk4", FAST_STEP), CLASSICAL)
+FINER = Method(LIVE, ACCURATE_STEP / 2.0)
+CLASSICAL = Method("rk4", 1.0 / 40960.0)
+OTHERS = (FINER, Method("etdrk4", ACCURATE_STEP), Method("etdrk4", FAST_STEP), CLASSICAL)
 NUDGE = 1e-6
 
 

@@ -15,7 +15,7 @@ import scipy.integrate
 
 from nw_gear_common.tables import Array
 from nw_gear_sim import model
-from nw_gear_sim.bench.accuracy import SETTLE
+from nw_gear_sim.bench.accuracy import SETTLED
 from nw_gear_sim.bench.cases import RATE
 from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.gearbox import Gearbox
@@ -34,7 +34,7 @@ ATOL_DISPLACEMENT, ATOL_VELOCITY = 1e-9, 1e-5
 
 @dataclass(frozen=True)
 class Solved:
-    """CPU time (s) of a simulated second, calls of the right-hand side in it, largest error of x_n after SETTLE (m)."""
+    """CPU time (s) of a simulated second, calls of the right-hand side in it, largest settled error of x_n (m)."""
 
     cpu_per_second: float
     calls_per_second: float
@@ -125,15 +125,14 @@ def _solve(
     seconds: float,
     exact: Array,
 ) -> Solved:
-    moments = np.arange(round(SETTLE * RATE), min(len(exact), math.floor(seconds * RATE + 1e-9) + 1)) / RATE
+    moments = np.arange(SETTLED, min(len(exact), math.floor(seconds * RATE + 1e-9) + 1)) / RATE
     atol = np.concatenate([ATOL_DISPLACEMENT * scale, ATOL_VELOCITY * scale])
     slope(0.0, state)
     began = time.thread_time()
     done = scipy.integrate.solve_ivp(slope, (0.0, seconds), state, "RK45", t_eval=moments, rtol=RTOL, atol=atol)
     spent = time.thread_time() - began
     found = [elongation(moment, there) for moment, there in zip(done.t, done.y.T, strict=True)]
-    first = round(SETTLE * RATE)
-    error = float(np.max(np.abs(np.array(found) - exact[first : first + len(found)])))
+    error = float(np.max(np.abs(np.array(found) - exact[SETTLED : SETTLED + len(found)])))
     return Solved(spent / seconds, done.nfev / seconds, error)
 
 

@@ -12,8 +12,8 @@ from nw_gear_common.tables import Array
 from nw_gear_sim import config
 from nw_gear_sim.batch.batch import Batch
 from nw_gear_sim.batch.measure import points_per_second
-from nw_gear_sim.bench.accuracy import SETTLE
-from nw_gear_sim.bench.cases import ACCURATE_STEP, FAST_STEP, RATE
+from nw_gear_sim.bench.accuracy import SETTLED
+from nw_gear_sim.bench.cases import RATE
 from nw_gear_sim.params import Configuration
 
 
@@ -28,9 +28,9 @@ class Setting:
 
 
 SETTINGS = (
-    Setting("accurate", "flexible", ACCURATE_STEP, 55.0),
-    Setting("fast", "flexible", FAST_STEP, 100.0),
-    Setting("rigid_fast", "rigid", FAST_STEP, 170.0),
+    Setting("accurate", "flexible", 1.0 / 40960.0, 55.0),
+    Setting("fast", "flexible", 1.0 / 20480.0, 100.0),
+    Setting("rigid_fast", "rigid", 1.0 / 20480.0, 170.0),
 )
 
 
@@ -57,10 +57,10 @@ def measure(configuration: Configuration, exact: Array, steps: int) -> tuple[dic
 
 
 def error(configuration: Configuration, setting: Setting, exact: Array) -> float:
-    """Return the largest difference of x_n from the reference after SETTLE (m), the contact model's own included."""
+    """Return the largest settled difference of x_n from the reference (m), that of the contact models included."""
     whole = config.with_values({"operation.load": 1.0}, configuration)
     batch = Batch([whole], ring=setting.ring, step=setting.step, sample_rate=RATE, threads=1)
     span = batch.advance((len(exact) - 1) / RATE)
     place = np.rint(span.time * RATE).astype(np.int64)
-    there = (place >= round(SETTLE * RATE)) & (place < len(exact))
+    there = (place >= SETTLED) & (place < len(exact))
     return float(np.max(np.abs(span.x[0, there] - exact[place[there]])))
