@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nw_gear_sim.params.gears import CentreDistance, Friction, Gear, Gears, Mesh, Meshes, Toothing, Toothings, Wheel
-from nw_gear_sim.params.operation import Excitation, Gravity, Numerics, Operation, Turbine, Wind
+from nw_gear_sim.params.operation import Drivetrain, Excitation, Gravity, Numerics, Operation, Turbine, Wind
 from nw_gear_sim.params.structure import Bearing, Bearings, Generator, Ring, Shafts, Torsion
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Bearings",
     "CentreDistance",
     "Configuration",
+    "Drivetrain",
     "Excitation",
     "Friction",
     "Gear",
@@ -52,6 +53,7 @@ class Configuration:
     ring: Ring
     generator: Generator
     turbine: Turbine
+    drivetrain: Drivetrain
     wind: Wind
     operation: Operation
     excitation: Excitation

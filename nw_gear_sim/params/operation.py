@@ -37,6 +37,58 @@ class Wind:
 
 
 @dataclass(frozen=True)
+class Drivetrain:
+    """Rotor, low-speed shaft and generator, for the load cases (`physics.drivetrain`)."""
+
+    rotor_inertia: float = quantity(MISSING, "moment of inertia of the rotor", "kg m^2", minimum=1e3, maximum=1e10)
+    generator_inertia: float = quantity(
+        MISSING, "moment of inertia of the generator, referred to the ring's shaft", "kg m^2", minimum=1e3, maximum=1e10
+    )
+    shaft_stiffness: float = quantity(
+        MISSING, "torsional stiffness of the low-speed shaft", "N m/rad", minimum=1e5, maximum=1e12
+    )
+    shaft_damping_ratio: float = quantity(
+        MISSING, "damping ratio of the free torsional oscillation", minimum=0.0, maximum=1.0
+    )
+    runaway_ratio: float = quantity(
+        MISSING, "speed over steady speed at which the wind drives no more", minimum=1.01, maximum=100.0
+    )
+    feathered_drag: float = quantity(
+        MISSING, "drag of feathered blades at rated speed over rated torque", minimum=0.0, maximum=10.0
+    )
+    start_time: float = quantity(
+        MISSING, "time in which the pitch lets the wind act at start-up", "s", minimum=0.0, maximum=1000.0
+    )
+    connect_time: float = quantity(
+        MISSING, "time in which the generator takes over its torque at start-up", "s", minimum=0.0, maximum=1000.0
+    )
+    shutdown_time: float = quantity(
+        MISSING, "time in which wind and generator are ramped down", "s", minimum=0.0, maximum=1000.0
+    )
+    trip_time: float = quantity(
+        MISSING, "time in which the generator's torque vanishes when it trips", "s", minimum=0.0, maximum=10.0
+    )
+    pitch_delay: float = quantity(
+        MISSING, "time until the pitch answers to a loss of the grid", "s", minimum=0.0, maximum=1000.0
+    )
+    pitch_time: float = quantity(
+        MISSING, "time in which the pitch takes the wind's torque away in an emergency", "s", minimum=0.0, maximum=100.0
+    )
+    brake_torque: float = quantity(
+        MISSING, "largest torque of the brake, referred to the ring's shaft", "N m", minimum=1.0, maximum=1e9
+    )
+    brake_time: float = quantity(
+        MISSING, "time constant of the braked speed below the largest torque", "s", minimum=0.1, maximum=100.0
+    )
+    brake_rise_time: float = quantity(
+        MISSING, "time in which the brake's torque builds up", "s", minimum=0.0, maximum=10.0
+    )
+    brake_speed: float = quantity(
+        MISSING, "speed over rated speed below which the brake ends a shutdown", minimum=0.0, maximum=2.0
+    )
+
+
+@dataclass(frozen=True)
 class Operation:
     """The operating point: from the wind, or fixed."""
 
