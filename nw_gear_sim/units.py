@@ -19,6 +19,7 @@ UNITS: dict[str, dict[str, tuple[float, int]]] = {
     "rad/s": {"rad/s": (1, 1), "r/min": (2 * math.pi, 60), "Hz": (2 * math.pi, 1)},
     "m/s": {"m/s": (1, 1), "km/h": (10, 36)},
     "m/s^2": {"m/s^2": (1, 1)},
+    "W": {"W": (1, 1), "kW": (1_000, 1), "MW": (1_000_000, 1)},
     "Pa": {"Pa": (1, 1), "MPa": (1_000_000, 1), "GPa": (1_000_000_000, 1)},
 }
 """Accepted units by SI unit. An SI unit that isn't listed is accepted as itself."""

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.quantities import quantity
-from nw_gear_sim import params, windfile
+from nw_gear_sim import columnfile, params, windfile
 from nw_gear_sim.physics.wind_deterministic import ConstantWind, StepWind
 from nw_gear_sim.physics.wind_gust import DURATION, GustWind, gust_magnitude
 from nw_gear_sim.physics.wind_series import SeriesWind
@@ -95,7 +95,7 @@ class Source:
     rate: float
     description: str
     values: dict[str, str]
-    gaps: tuple[windfile.Gap, ...] = ()
+    gaps: tuple[columnfile.Gap, ...] = ()
     start: float = 0.0
     end: float = math.inf
     at_end: str = "hold"

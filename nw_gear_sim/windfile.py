@@ -6,10 +6,9 @@ row. Lines that start with # before the header are skipped; columns that aren't 
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,36 +16,16 @@ import numpy as np
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
+from nw_gear_sim import columnfile
+from nw_gear_sim.columnfile import GAP, TIME_COLUMNS, Gap
 
-TIME_COLUMNS = ("time", "timestamp", "datetime", "date_time")
 SPEED_COLUMNS = ("wind_speed", "wind_speed_mean")
 DEVIATION_COLUMNS = ("wind_speed_std",)
 FASTEST_WIND = 150.0
 """Largest wind speed taken for one (m/s): above every wind measured at the ground, below the usual error codes."""
 
 FEWEST_ROWS = 2
-EPOCH = datetime(1970, 1, 1)
-"""What times given in seconds count from, so that they too have a form in ISO 8601."""
-
-_EMPTY = frozenset({"", "nan", "na", "n/a", "null", "none"})
-_GAP = 1.5
 _REGULAR = 0.01
-_DELIMITERS = (",", ";", "\t")
-
-
-@dataclass(frozen=True)
-class Gap:
-    """Time without good rows.
-
-    Attributes:
-        start: time of the last good row, s after the first one.
-        seconds: from there to the next good row.
-        label: time of the last good row in ISO 8601.
-    """
-
-    start: float
-    seconds: float
-    label: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,13 +94,15 @@ def read(path: str | Path, time_column: str = "", speed_column: str = "", deviat
             wind, a time that isn't one or doesn't ascend, fewer than two good rows.
     """
     file = str(path)
-    cells = _cells(file)
+    _, cells = columnfile.rows(file)
     header_row, header = next(cells, (1, []))
     place = f"{file}: row {header_row}"
-    time = _column(place, header, time_column, TIME_COLUMNS, "a time column")
-    columns = [_column(place, header, speed_column, SPEED_COLUMNS, "a wind speed column")]
+    time = columnfile.column(place, header, time_column, TIME_COLUMNS, "a time column")
+    columns = [columnfile.column(place, header, speed_column, SPEED_COLUMNS, "a wind speed column")]
     if deviation_column or header[columns[0]].lower() == SPEED_COLUMNS[1]:
-        columns.append(_column(place, header, deviation_column, DEVIATION_COLUMNS, "a column of standard deviations"))
+        columns.append(
+            columnfile.column(place, header, deviation_column, DEVIATION_COLUMNS, "a column of standard deviations")
+        )
     rows = [_row(file, number, header, row, time, columns) for number, row in cells]
     return _assemble(file, rows)
 
@@ -135,7 +116,7 @@ def summary(path: str | Path) -> dict[str, object]:
     file = read(path)
     return {
         "rows": len(file.times),
-        "gaps": [{"start": gap.label, "seconds": gap.seconds} for gap in file.gaps],
+        "gaps": columnfile.described(file.gaps),
         "mean": float(file.speeds.mean()),
         "rate_hz": file.rate_hz,
         "kind": "time series" if file.deviations is None else "means and standard deviations",
@@ -145,64 +126,20 @@ def summary(path: str | Path) -> dict[str, object]:
     }
 
 
-def _cells(file: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield row number and stripped cells of every line that isn't blank, from the header on."""
-    try:
-        lines = Path(file).read_bytes().decode("utf-8-sig").splitlines()
-    except OSError as error:
-        raise InputError(file, "a readable CSV file", error.strerror or str(error)) from None
-    except UnicodeDecodeError as error:
-        raise InputError(file, "a text in UTF-8", f"something else at byte {error.start}") from None
-    head = next((line for line in lines if line.strip() and not line.startswith("#")), "")
-    reader = csv.reader(lines, delimiter=max(_DELIMITERS, key=head.count))
-    started = False
-    try:
-        for row in reader:
-            if not any(cell.strip() for cell in row) or (not started and row[0].startswith("#")):
-                continue
-            started = True
-            yield reader.line_num, [cell.strip() for cell in row]
-    except csv.Error as error:
-        raise InputError(f"{file}: row {reader.line_num}", "comma separated values", str(error)) from None
-
-
-def _column(place: str, header: Sequence[str], name: str, usual: Sequence[str], what: str) -> int:
-    for wanted in (name,) if name else usual:
-        for i, title in enumerate(header):
-            if title == wanted or (not name and title.lower() == wanted):
-                return i
-    expected = f"{what} named {name}" if name else f"{what} ({', '.join(usual)})"
-    raise InputError(place, expected, f"columns {', '.join(header)}" if header else "an empty file")
-
-
 def _row(
     file: str, number: int, header: Sequence[str], cells: Sequence[str], time: int, columns: Sequence[int]
 ) -> _Row:
     place = f"{file}: row {number}"
     if len(cells) != len(header):
         raise InputError(place, f"{len(header)} cells as in the header", str(len(cells)))
-    moment = _moment(f"{place}, column {header[time]}", cells[time])
+    moment = columnfile.moment(f"{place}, column {header[time]}", cells[time])
     values = [_speed(f"{place}, column {header[i]}", cells[i]) for i in columns]
     good = [value for value in values if value is not None]
     return _Row(number, moment, tuple(good) if len(good) == len(values) else ())
 
 
-def _moment(place: str, text: str) -> datetime:
-    try:
-        seconds = float(text)
-    except ValueError:
-        try:
-            return datetime.fromisoformat(text)
-        except ValueError:
-            raise InputError(place, "a date and time in ISO 8601 or seconds", repr(text)) from None
-    try:
-        return EPOCH + timedelta(seconds=seconds)
-    except (OverflowError, ValueError):
-        raise InputError(place, "a date and time in ISO 8601 or seconds", repr(text)) from None
-
-
 def _speed(place: str, text: str) -> float | None:
-    if text.lower() in _EMPTY:
+    if columnfile.empty(text):
         return None
     expected = f"a wind speed from 0 to {FASTEST_WIND:g} m/s or an empty cell"
     try:
@@ -217,8 +154,7 @@ def _speed(place: str, text: str) -> float | None:
 def _assemble(file: str, rows: Sequence[_Row]) -> WindFile:
     for earlier, later in pairwise(rows):
         place = f"{file}: row {later.number}"
-        if (earlier.moment.tzinfo is None) != (later.moment.tzinfo is None):
-            raise InputError(place, "a time like those before, all with a time zone or none", later.moment.isoformat())
+        columnfile.same_zone(place, earlier.moment, later.moment)
         if later.moment <= earlier.moment:
             raise InputError(place, f"a time after {earlier.moment.isoformat()}", later.moment.isoformat())
     kept = [i for i, row in enumerate(rows) if row.values]
@@ -230,8 +166,7 @@ def _assemble(file: str, rows: Sequence[_Row]) -> WindFile:
     values = np.array([row.values for row in good])
     interval = round(float(np.median(np.diff([(row.moment - start).total_seconds() for row in rows]))), 6)
     steps = np.diff(times)
-    missing = (steps > _GAP * interval) | (np.diff(kept) > 1)
-    regular = bool(np.all(np.abs(steps[~missing] - interval) <= _REGULAR * interval))
+    missing = columnfile.gaps_after(times, np.array(kept), GAP * interval)
     return WindFile(
         path=file,
         times=times,
@@ -240,6 +175,6 @@ def _assemble(file: str, rows: Sequence[_Row]) -> WindFile:
         gaps=tuple(Gap(float(times[i]), float(steps[i]), good[i].moment.isoformat()) for i in np.flatnonzero(missing)),
         empty_rows=len(rows) - len(good),
         interval=interval,
-        rate_hz=1.0 / interval if regular else None,
+        rate_hz=columnfile.rate(steps[~missing], interval),
         origin=start.isoformat(),
     )

@@ -1,4 +1,4 @@
-"""`nw_gear info`: what is in a recording or in a wind file."""
+"""`nw_gear info`: what is in a recording, in a wind file or in a file of rotor speed and torque."""
 
 from __future__ import annotations
 
@@ -23,16 +23,18 @@ WALL_TIME = 1e9
 
 
 def info(
-    path: Annotated[Path, typer.Argument(help="Folder of a recording, MCAP file, or wind file.", show_default=False)],
+    path: Annotated[
+        Path, typer.Argument(help="Folder of a recording, MCAP file, wind or drive file.", show_default=False)
+    ],
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
 ) -> None:
-    """Say what is in a recording (topics, duration, provenance) or in a wind file (rows, gaps, mean)."""
+    """Say what is in a recording (topics, duration, provenance) or in a wind or drive file (rows, gaps, means)."""
     suffix = path.suffix.lower()
     if (suffix == WIND_SUFFIX and not path.is_dir()) or (path.is_file() and suffix not in RECORDING_SUFFIXES):
-        from nw_gear_sim import windfile  # noqa: PLC0415 - only where it is asked for
+        from nw_gear_sim import drivefile, windfile  # noqa: PLC0415 - only where it is asked for
 
-        found = windfile.summary(path)
-        typer.echo(json.dumps(found) if as_json else "\n".join(_wind_lines(found)))
+        found = drivefile.summary(path) if drivefile.recognised(path) else windfile.summary(path)
+        typer.echo(json.dumps(found) if as_json else "\n".join(_column_lines(found)))
         return
     from nw_gear_monitor.records.reader import Recording  # noqa: PLC0415 - the readers of recordings are heavy
 
@@ -83,8 +85,8 @@ def _short(value: str) -> str:
     return value if len(value) <= SHORT else f"{value[:SHORT]} ... ({len(value)} characters)"
 
 
-def _wind_lines(found: Mapping[str, Any]) -> list[str]:
+def _column_lines(found: Mapping[str, Any]) -> list[str]:
     gaps = found["gaps"]
-    lines = [f"{key:<11}{value}" for key, value in found.items() if key != "gaps"]
-    lines.append(f"{'gaps':<11}{len(gaps)}")
+    lines = [f"{key:<13}{value}" for key, value in found.items() if key != "gaps"]
+    lines.append(f"{'gaps':<13}{len(gaps)}")
     return lines + [f"  after {gap['start']}: {gap['seconds']:g} s to the next good row" for gap in gaps]
