@@ -21,6 +21,7 @@ MESHES_OF_STAGE = {stage: tuple(m for m in MESHES if STAGE_OF_MESH[m] == stage) 
 
 # Topics, relative to the namespace.
 WIND_SPEED = "wind_speed"
+DRIVE = "drive"
 SHAFTS_TOPIC = "shafts"
 MESH_TOPIC = "mesh"
 WAVEFORM = "waveform"

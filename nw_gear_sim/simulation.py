@@ -15,7 +15,7 @@ from nw_gear_sim.bounds import check_step
 from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.frictiontables import FrictionTables
 from nw_gear_sim.gearbox import Gearbox
-from nw_gear_sim.params import Configuration
+from nw_gear_sim.params import Configuration, Numerics
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.friction import empty_table
 from nw_gear_sim.readings import Block, Readings
@@ -84,9 +84,9 @@ class Simulation:
         interval = model.Interval(
             0.0, drive.speed_start, drive.speed_start, drive.torque_start, drive.torque_start, 1 / sample_rate
         )
-        self._solver = make_solver(configuration, self.gearbox, interval, self._table, q)
+        self._solver = make_solver(configuration, self.gearbox, self._step, interval, self._table, q)
         most = max(drive.torque_start, configuration.turbine.rated_torque)
-        check_step(self._solver, self.gearbox, configuration.numerics.step, most, configuration.turbine.rated_speed)
+        check_step(self._solver, self.gearbox, self._step, most, configuration.turbine.rated_speed)
 
     @classmethod
     def resume(
@@ -112,7 +112,9 @@ class Simulation:
         simulation._samples = int(checkpoint["samples"])
         rest = np.zeros(simulation.gearbox.layout.size)
         interval = model.Interval(simulation._angle, 0.0, 0.0, 0.0, 0.0, 1 / sample_rate)
-        simulation._solver = make_solver(configuration, simulation.gearbox, interval, simulation._table, rest)
+        simulation._solver = make_solver(
+            configuration, simulation.gearbox, simulation._step, interval, simulation._table, rest
+        )
         for name, here in simulation._identity().items():
             if name not in checkpoint or checkpoint[name] != here:
                 raise InputError(f"checkpoint: {name}", str(here), str(checkpoint.get(name, "nothing")))
@@ -129,7 +131,7 @@ class Simulation:
         return {
             "version": CHECKPOINT_VERSION,
             "integrator": self._solver.name,
-            "step": 1 / (self.sample_rate * self._steps_per_sample),
+            "step": self._step,
             "sample_rate": self.sample_rate,
             "excitation": self._excitation,
             "degrees_of_freedom": self.gearbox.layout.size,
@@ -138,7 +140,8 @@ class Simulation:
     def _prepare(self, configuration: Configuration, speed: float, excitation: str, sample_rate: float) -> None:
         if excitation not in EXCITATIONS:
             raise InputError("excitation", " or ".join(EXCITATIONS), excitation)
-        self._steps_per_sample = steps_per_sample(configuration.numerics.step, sample_rate)
+        self._steps_per_sample = steps_per_sample(configuration.numerics, sample_rate)
+        self._step = 1 / (sample_rate * self._steps_per_sample)
         self._excitation = excitation
         self.sample_rate = sample_rate
         self.gearbox = Gearbox(configuration, excitation)
@@ -212,21 +215,31 @@ class Simulation:
 
     def _divergence(self, done: int, state: str, value: float) -> Divergence:
         step = self._samples * self._steps_per_sample + done
-        return Divergence(step / (self.sample_rate * self._steps_per_sample), state, value, step)
+        return Divergence(step * self._step, state, value, step)
 
 
-def steps_per_sample(step: float, sample_rate: float) -> int:
-    """Return how many steps (of `step` s) lie between samples (`sample_rate` Hz).
+def steps_per_sample(numerics: Numerics, sample_rate: float) -> int:
+    """Return how many steps lie between samples (`sample_rate` Hz).
+
+    A rate that is a multiple of that of the integrator's own steps makes the steps shorter; steps that are given aren't
+    changed.
 
     Raises:
         InputError: not a whole number of them.
     """
     if not (math.isfinite(sample_rate) and sample_rate > 0):
         raise InputError("sample_rate", "a rate above 0 Hz", f"{sample_rate:g} Hz")
+    step = numerics.time_step
     ratio = 1.0 / (step * sample_rate)
-    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9 * ratio:
+    if numerics.step is None and ratio < 1.0 and _whole(1.0 / ratio):
+        return 1
+    if round(ratio) < 1 or not _whole(ratio):
         raise InputError("sample_rate", f"1 / ({step:g} s) divided by a whole number", f"{sample_rate:g} Hz")
     return round(ratio)
+
+
+def _whole(ratio: float) -> bool:
+    return abs(ratio - round(ratio)) <= 1e-9 * ratio
 
 
 def compile_kernels(*integrators: str) -> None:
@@ -237,8 +250,8 @@ def compile_kernels(*integrators: str) -> None:
     """
     drive = Drive(1.8, 1.8, 4e6, 4e6)
     for integrator in integrators or INTEGRATORS:
-        numerics = {"numerics.integrator": integrator, "numerics.step": 1 / 40960}  # a step for all of them
-        simulation = Simulation(config.with_values(numerics, config.load()), drive, start="zero")
+        configuration = config.with_values({"numerics.integrator": integrator}, config.load())
+        simulation = Simulation(configuration, drive, start="zero")
         simulation.advance(1, drive)
     simulation.gearbox.set_instant(drive.torque_start, drive.speed_start)
     simulation.gearbox.forces(simulation.q, simulation.v)

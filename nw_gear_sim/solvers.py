@@ -68,13 +68,14 @@ class Method(Protocol):
 
 
 def make_solver(
-    configuration: Configuration, gearbox: Gearbox, interval: model.Interval, table: Array, q: Array
+    configuration: Configuration, gearbox: Gearbox, step: float, interval: model.Interval, table: Array, q: Array
 ) -> Solver:
     """Return the solver that a configuration asks for, at rest at displacements q (m).
 
     Args:
         configuration: its numerics choose.
         gearbox: the whole model.
+        step: of time, s.
         interval: drive at the start; table: friction there.
         q: displacements as in `layout`, m.
     """
@@ -82,8 +83,8 @@ def make_solver(
     if numerics.integrator == "rk4":
         return RungeKutta(gearbox, q)
     if numerics.integrator == "etdrk4":
-        return Exponential(gearbox, numerics.step, rigid=numerics.ring == "rigid", q=q)
-    return Gautschi(configuration, gearbox, interval, table, q)
+        return Exponential(gearbox, step, rigid=numerics.ring == "rigid", q=q)
+    return Gautschi(configuration, gearbox, step, interval, table, q)
 
 
 class RungeKutta:
@@ -194,17 +195,23 @@ class Gautschi(Modal):
     method = gautschi
 
     def __init__(
-        self, configuration: Configuration, gearbox: Gearbox, interval: model.Interval, table: Array, q: Array
+        self,
+        configuration: Configuration,
+        gearbox: Gearbox,
+        step: float,
+        interval: model.Interval,
+        table: Array,
+        q: Array,
     ) -> None:
         numerics = configuration.numerics
         super().__init__(gearbox, numerics.ring_bandwidth, rigid=numerics.ring == "rigid", coupled=False, q=q)
-        self.oscillators = gautschi.coefficients(self.laws.square, self.laws.damping, numerics.step)
+        self.oscillators = gautschi.coefficients(self.laws.square, self.laws.damping, step)
         rest, pushed = np.zeros_like(self.x), np.zeros_like(self.x)
         for _ in range(SETTLING):
             modal_stepping.evaluate(self.laws, table, table, interval, self.x, rest, self.instants, self.work, pushed)
         self._torque = interval.torque_start
         self.u, self.before = np.zeros_like(self.x), np.zeros_like(self.x)
-        gautschi.start(self.x, rest, pushed - self.laws.square * self.x, numerics.step, self.u, self.before)
+        gautschi.start(self.x, rest, pushed - self.laws.square * self.x, step, self.u, self.before)
 
     @property
     def v(self) -> Array:

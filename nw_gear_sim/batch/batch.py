@@ -90,7 +90,7 @@ class Batch:
         if not configurations:
             raise InputError("configurations", "at least one point", "none")
         self.size = len(configurations)
-        self.step = _same("numerics.step", [c.numerics.step for c in configurations]) if step is None else step
+        self.step = _same("numerics.step", [c.numerics.time_step for c in configurations]) if step is None else step
         self._every = _every(self.step, sample_rate)
         ring = ring or _same("numerics.ring", [c.numerics.ring for c in configurations])
         excitation = excitation or _same("excitation.mode", [c.excitation.mode for c in configurations])

@@ -1,6 +1,6 @@
 """The ring's modes in the frame of the meshes, as complex pairs.
 
-The families A and B of a harmonic n (see `modalring`) move as z = z_A + i z_B. In the frame that stands still with the
+The families A and B of a harmonic n (see `modal.ring`) move as z = z_A + i z_B. In the frame that stands still with the
 planets this is Z = z exp(i n theta), and the contact at the fixed angle th_j has a constant row r exp(i n th_j):
 
     x_j = Re[conj(Z) r exp(i n th_j)],      r = cos bb (-sin a W - i [cos a V + (1 - r_c/r_b cos a) P]) + sin bb Z_z
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.modalring import RingModes, rigid_ring_modes, ring_modes
+from nw_gear_sim.modal.ring import RingModes, rigid_ring_modes, ring_modes
 from nw_gear_sim.model import Laws
 
 Key = tuple[int, int, int, int]

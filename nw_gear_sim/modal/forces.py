@@ -16,7 +16,7 @@ import numpy as np
 from nw_gear_common.tables import Array
 from nw_gear_sim.compiled import fused, inlined, kernel, summing
 from nw_gear_sim.modal.laws import ModalLaws
-from nw_gear_sim.modalring import KNOTS
+from nw_gear_sim.modal.ring import KNOTS
 from nw_gear_sim.model import Interval
 from nw_gear_sim.physics.bearing import bearing_forces_here
 from nw_gear_sim.physics.friction import look_up

@@ -12,7 +12,7 @@ import numpy as np
 
 from nw_gear_common.tables import Array
 from nw_gear_sim.gearbox import Gearbox
-from nw_gear_sim.modalring import KNOTS, ContactTable, RingModes, contact_table, rigid_ring_modes, ring_modes
+from nw_gear_sim.modal.ring import KNOTS, ContactTable, RingModes, contact_table, rigid_ring_modes, ring_modes
 from nw_gear_sim.physics.bearing import BearingLaw
 from nw_gear_sim.physics.friction import FrictionLaw
 from nw_gear_sim.physics.mesh import Indices, MeshLaw, Rows

@@ -7,26 +7,31 @@ is reported in `/diagnostics` and in the log.
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from pathlib import Path
 
 from geometry_msgs.msg import Vector3Stamped
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from nw_gear_common import names
 from nw_gear_common.diagnostics import ERROR, OK, WARN
-from nw_gear_common.errors import NwGearError
-from nw_gear_common.quantities import quantity
+from nw_gear_common.errors import InputError, NwGearError
 from nw_gear_common.ros import Stop, declare_parameters, latched_qos, leave_now, make_node, run, to_seconds, was_set
 from nw_gear_sim import config
-from nw_gear_sim.nodes.inflow import WindInflow
+from nw_gear_sim.checkpoints import read_checkpoint, write_checkpoint
+from nw_gear_sim.drives import SPEED, TORQUE, WIND
+from nw_gear_sim.nodes.inflow import Inflows
+from nw_gear_sim.nodes.inputs import make_source, ring_sample
 from nw_gear_sim.nodes.pacing import Busy, Pace
 from nw_gear_sim.nodes.publishing import Reports, Views, Waveform
 from nw_gear_sim.nodes.session import Session
+from nw_gear_sim.nodes.sim_settings import Settings
 from nw_gear_sim.simulation import compile_kernels
 
 POLL = 0.02
@@ -34,43 +39,8 @@ POLL = 0.02
 JOIN_WITHIN = 4.0
 PATIENCE = 3.0
 """Seconds after which kernels can't have come from the cache."""
+INPUT_TOPIC = {WIND: names.WIND_SPEED, SPEED: names.DRIVE, TORQUE: names.DRIVE}
 COMPILING = "compiling kernels: this takes about a minute, and only once"
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Parameters of `gear_sim_node`."""
-
-    config: str = quantity("", "Configuration laid over the default gearbox: a YAML file, or the name of a preset.")
-    real_time_factor: float = quantity(
-        1.0, "Simulated seconds per second of wall time; 0 = as fast as possible.", "1", minimum=0.0, maximum=1000.0
-    )
-    sample_rate: float = quantity(
-        5120.0, "Rate of the waveform; divides 1/step and is a multiple of 20.", "Hz", minimum=20.0, maximum=40960.0
-    )
-    view_rate: float = quantity(
-        50.0, "Rate of shafts, mesh and bearings, in wall time.", "Hz", minimum=0.1, maximum=1000.0
-    )
-    excitation: str = quantity(
-        "",
-        "Each stage excited at its own mesh frequency, or all at that of stage II; empty = as configured.",
-        choices=("", "kinematic", "tied"),
-    )
-    publish_clock: bool = quantity(
-        False, "Publish /clock from 0 on, in lock step with the wind; set by itself where real_time_factor isn't 1."
-    )
-    start: str = quantity(
-        "equilibrium",
-        "State at the start: static equilibrium, or all zero as in the paper.",
-        choices=("equilibrium", "zero"),
-    )
-    wait_for: int = quantity(0, "Subscribers of the waveform to wait for before time starts.", minimum=0, maximum=100)
-    duration: float = quantity(
-        0.0, "Simulated time after which the node ends by itself; 0 = never.", "s", minimum=0.0, maximum=1e9
-    )
-    waveform_bearings: tuple[str, ...] = quantity(
-        names.WAVEFORM_BEARINGS, "Bearings whose forces are in the waveform.", choices=names.BEARINGS
-    )
 
 
 class GearSimNode(Node):
@@ -81,17 +51,19 @@ class GearSimNode(Node):
         self._stop = stop
         self._settings = declare_parameters(self, Settings)
         self._configuration = config.load(self._settings.config or None)
-        self.declare_parameter("resolved_config", config.to_yaml(self._configuration))
+        self._resolved = config.to_yaml(self._configuration)
+        self.declare_parameter("resolved_config", self._resolved)
         settings = self._settings
         self._clocked = settings.publish_clock if was_set(self, "publish_clock") else settings.real_time_factor != 1.0
         self._session = Session(
             self._configuration,
+            make_source(settings, self._configuration),
             settings.excitation or self._configuration.excitation.mode,
             settings.start,
             settings.sample_rate,
         )
-        self._inflow = WindInflow()
-        self._lock = threading.Lock()
+        self._inflows = Inflows(self._session.source.needs, in_step=self._clocked)
+        self._ticking = threading.Lock()
         self._paused = threading.Event()
         self._reset = threading.Event()
         self._waveform = Waveform(self, self._session.rows, settings.waveform_bearings)
@@ -100,9 +72,13 @@ class GearSimNode(Node):
         qos: QoSProfile = latched_qos()
         qos.depth = 20
         self.create_subscription(Vector3Stamped, names.WIND_SPEED, self._on_wind, qos)
+        self.create_subscription(JointState, names.DRIVE, self._on_drive, qos)
         self.create_service(SetBool, "~/pause", self._on_pause)
         self.create_service(Trigger, "~/reset", self._on_reset)
+        self.create_service(Trigger, "~/checkpoint", self._on_checkpoint)
         self._origin = 0.0
+        self._refused = 0
+        self._resumed = False
         self._pace = Pace(settings.real_time_factor, time.monotonic(), 0.0)
         self._busy = Busy(time.monotonic())
         self._warned = False
@@ -113,8 +89,32 @@ class GearSimNode(Node):
     # --- the executor's thread --------------------------------------------------------------------------------------
 
     def _on_wind(self, message: Vector3Stamped) -> None:
-        with self._lock:
-            self._inflow.add(to_seconds(message.header.stamp), message.vector.x)
+        if math.isfinite(message.vector.x):
+            self._inflows.add(to_seconds(message.header.stamp), wind=message.vector.x)
+        else:
+            self._refused += 1
+
+    def _on_drive(self, message: JointState) -> None:
+        sample = ring_sample(message.name, message.velocity, message.effort)
+        if sample is None:
+            self._refused += 1
+        else:
+            self._inflows.add(to_seconds(message.header.stamp), speed=sample[0], torque=sample[1])
+
+    def _on_checkpoint(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        path = self._settings.checkpoint
+        try:
+            if not path:
+                raise InputError("parameter checkpoint", "a file name", "nothing")
+            with self._ticking:  # between two ticks
+                if not self._session.begun:
+                    raise InputError("checkpoint", "a run that has begun", "none yet")
+                values = {**self._session.checkpoint(), **self._waveform.pending()}
+            write_checkpoint(Path(path), self._resolved, values)
+            response.success, response.message = True, path
+        except InputError as error:
+            response.success, response.message = False, str(error)
+        return response
 
     def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         (self._paused.set if request.data else self._paused.clear)()
@@ -165,17 +165,21 @@ class GearSimNode(Node):
         """Run from the initial state until a reset (True) or the end (False)."""
         self._reset.clear()
         self._waveform.drop()
-        self._reports.clock(0.0)  # a jump back makes the wind start again; until then what is known of it stays valid
-        if not self._wait_for_company():
+        self._session.forget()
+        self._resume()
+        began = self._session.time if self._session.begun else 0.0
+        self._reports.clock(began)  # a jump back makes the wind start again; until then what is known of it stays valid
+        if not self._wait_for_company(began):
             return not self._stop
-        self._origin = 0.0 if self._clocked else self._wall_time()
-        self._session.begin(self._inflow_at(0.0) if self._session.wind_driven else None)
-        self._origin = 0.0 if self._clocked else self._wall_time()  # finding the equilibrium took time
-        self._pace, self._busy = Pace(self._settings.real_time_factor, time.monotonic(), 0.0), Busy(time.monotonic())
+        if not self._session.begun:
+            self._origin = 0.0 if self._clocked else self._wall_time()
+            self._session.begin(self._inflows.at(self._origin))
+        self._origin = 0.0 if self._clocked else self._wall_time() - began  # finding the equilibrium took time
+        self._pace, self._busy = Pace(self._settings.real_time_factor, time.monotonic(), began), Busy(time.monotonic())
         self.get_logger().info(f"integrating {self._session.description}")
         limit = self._settings.duration
         while not self._stop and not self._reset.is_set():
-            if limit and self._session.time >= limit - 1e-9:
+            if (limit and self._session.time >= limit - 1e-9) or self._session.source.over():
                 return False
             if self._may_advance():
                 self._advance()
@@ -184,17 +188,23 @@ class GearSimNode(Node):
                 self._report_progress()
         return not self._stop
 
-    def _wait_for_company(self) -> bool:
-        """Wait for subscribers and for the first wind; False when stopped or reset meanwhile."""
+    def _resume(self) -> None:
+        """Go on from a checkpoint, once; a reset begins at the beginning."""
+        if self._settings.resume and not self._resumed:
+            self._resumed = True
+            values = read_checkpoint(Path(self._settings.resume), self._resolved)
+            self._session.resume(values)
+            self._waveform.restore(values)
+
+    def _wait_for_company(self, moment: float) -> bool:
+        """Wait for subscribers and for the first input; False when stopped or reset meanwhile."""
         while not self._stop and not self._reset.is_set():
             subscribers = self._waveform.subscribers()
-            with self._lock:
-                known = self._inflow.covers(0.0, 0.0) if self._clocked else bool(self._inflow.times)
             missing = []
             if subscribers < self._settings.wait_for:
                 missing.append(f"{self._settings.wait_for} subscribers of {names.WAVEFORM} (now {subscribers})")
-            if self._session.wind_driven and not known:
-                missing.append(f"a first message on {names.WIND_SPEED}")
+            if not self._inflows.ready(moment):
+                missing.append(f"a first message on {INPUT_TOPIC[self._session.source.needs[0]]}")
             if not missing:
                 return True
             if time.monotonic() >= self._next_report:
@@ -216,27 +226,20 @@ class GearSimNode(Node):
         if wait > 0.0:
             self._stop.event.wait(min(wait, POLL))
             return wait <= POLL
-        if self._clocked and self._session.wind_driven:
-            end = self._session.time + self._session.tick
-            with self._lock:
-                known = self._inflow.covers(self._session.time, end)
-            if not known:
-                self._reports.clock(self._session.time)
-                self._stop.event.wait(POLL / 10)
-            return known
+        if not self._inflows.cover(self._session.time, self._session.time + self._session.tick):
+            self._reports.clock(self._session.time)
+            self._stop.event.wait(POLL / 10)
+            return False
         return True
-
-    def _inflow_at(self, moment: float) -> float:
-        with self._lock:
-            return self._inflow.at(moment if self._clocked else self._origin + moment - self._inflow.delay)
 
     def _advance(self) -> None:
         end = self._session.time + self._session.tick
-        wind = self._inflow_at(end) if self._session.wind_driven else None
+        inputs = self._inflows.at(self._origin + end)
         began = time.thread_time()
-        block = self._session.advance(wind)
-        self._busy.note(time.thread_time() - began)
-        self._waveform.add(block, self._origin)
+        with self._ticking:
+            block = self._session.advance(inputs)
+            self._busy.note(time.thread_time() - began)
+            self._waveform.add(block, self._origin)
         self._views.offer(block, self._origin)
         self._reports.clock(self._session.time)
         self._pace.note(time.monotonic(), self._session.time)
@@ -265,8 +268,9 @@ class GearSimNode(Node):
             "simulated (s)": f"{simulated:.3f}",
             "integration (share of a core)": f"{self._busy.share(moment):.3f}",
             **self._session.values(),
+            **({"input samples refused (1)": str(self._refused)} if self._refused else {}),
         }
-        self._report(WARN if slow else OK, message, values)
+        self._report(WARN if slow or self._refused else OK, message, values)
         self._reports.truth("no fault injected", self._session.truth())
 
     def _report(self, level: bytes, message: str, values: dict[str, str] | None = None) -> None:

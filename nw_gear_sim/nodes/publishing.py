@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -16,6 +17,7 @@ from std_msgs.msg import Float64MultiArray
 
 from nw_gear_common import names
 from nw_gear_common.diagnostics import OK, Diagnostics
+from nw_gear_common.errors import InputError
 from nw_gear_common.ros import latched_qos, live_qos, to_message, to_stamp
 from nw_gear_common.tables import Array, Table
 from nw_gear_sim.readings import Block
@@ -47,6 +49,19 @@ class Waveform:
         if self._filled == len(self._data):
             self._publisher.publish(to_message(Table(names.ROW_SAMPLE, self._columns, self._data)))
             self._filled = 0
+
+    def pending(self) -> dict[str, Array]:
+        """Return the samples that wait for their block to be full, with times since the start of the run."""
+        return {"waveform.pending": self._data[: self._filled].copy()}
+
+    def restore(self, values: Mapping[str, Any]) -> None:
+        """Take over what `pending` returned."""
+        rows = np.asarray(values["waveform.pending"])
+        if rows.ndim != 2 or rows.shape[1] != len(self._columns) or len(rows) >= len(self._data):
+            expected = f"less than {len(self._data)} rows of {len(self._columns)} columns"
+            raise InputError("checkpoint: waveform.pending", expected, f"shape {rows.shape}")
+        self._filled = len(rows)
+        self._data[: self._filled] = rows
 
     def drop(self) -> None:
         """Forget samples that were not published (reset)."""

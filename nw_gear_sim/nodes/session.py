@@ -1,22 +1,24 @@
-"""One run of the gearbox with its drive: ticks of a fixed length, wind or a fixed operating point. No ROS, no clock."""
+"""One run of the gearbox with what drives it: ticks of a fixed length, counts for the truth. No ROS, no clock."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.errors import InputError
-from nw_gear_sim.kinematics import derive
+from nw_gear_sim.drives import Inputs, Source
 from nw_gear_sim.params import Configuration
-from nw_gear_sim.physics.drive import Drive
-from nw_gear_sim.physics.rotor import Rotor
 from nw_gear_sim.readings import Block
 from nw_gear_sim.simulation import Simulation, steps_per_sample
 
 LONGEST_TICK = 0.0126
 """Seconds of simulated time integrated at once: short enough for views at 50 Hz and a smooth pace."""
+
+_SIMULATION, _SOURCE = "simulation.", "source."
 
 
 class Session:
@@ -24,6 +26,7 @@ class Session:
 
     Args:
         configuration: gearbox, turbine and operating point.
+        source: what drives it.
         excitation: `kinematic` or `tied`.
         start: `equilibrium` or `zero`.
         sample_rate: samples per second (Hz).
@@ -32,28 +35,37 @@ class Session:
         InputError: the sample rate gives no whole number of samples per block, or of steps per sample.
     """
 
-    def __init__(self, configuration: Configuration, excitation: str, start: str, sample_rate: float) -> None:
+    def __init__(
+        self, configuration: Configuration, source: Source, excitation: str, start: str, sample_rate: float
+    ) -> None:
         rows = sample_rate / names.WAVEFORM_BLOCKS_PER_SECOND
         if rows != int(rows):
             raise InputError(
                 "parameter sample_rate", f"a multiple of {names.WAVEFORM_BLOCKS_PER_SECOND} Hz", f"{sample_rate:g} Hz"
             )
-        steps_per_sample(configuration.numerics.step, sample_rate)
+        steps_per_sample(configuration.numerics, sample_rate)
         self.rows = int(rows)
         longest = LONGEST_TICK * sample_rate
         divisors = [d for d in range(1, self.rows + 1) if self.rows % d == 0 and self.rows / d <= longest]
         self._samples = self.rows // divisors[0] if divisors else 1
         self.tick = self._samples / sample_rate
+        self.source = source
         self._configuration = configuration
         self._excitation, self._start, self._sample_rate = excitation, start, sample_rate
-        self.wind_driven = configuration.operation.drive == "wind"
         self._simulation: Simulation | None = None
-        self._rotor: Rotor | None = None
-        self._drive = Drive(0.0, 0.0, 0.0, 0.0)
-        self._wind = math.nan
+        self._inputs: Inputs = {}
         self._open = np.zeros(len(names.MESHES))
         self._back = np.zeros(len(names.MESHES))
         self._ticks = 0
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is a state to go on from."""
+        return self._simulation is not None
+
+    def forget(self) -> None:
+        """Be as before `begin`."""
+        self._simulation = None
 
     @property
     def time(self) -> float:
@@ -62,37 +74,53 @@ class Session:
 
     @property
     def description(self) -> str:
-        """The operating point in words."""
-        how = "driven by the wind" if self.wind_driven else "at a fixed operating point"
-        speed, torque = self._drive.speed_end * 30.0 / math.pi, self._drive.torque_end / 1e6
-        return f"{how}, ring {speed:.2f} r/min, torque {torque:.3f} MN m"
+        """What drives the gearbox and where it is, in words."""
+        drive = self.source.drive
+        speed, torque = drive.speed_end * 30.0 / math.pi, drive.torque_end / 1e6
+        return f"{self.source.description}, ring {speed:.2f} r/min, torque {torque:.3f} MN m"
 
-    def begin(self, wind: float | None) -> None:
-        """Start from the initial state, at the operating point of this wind (m/s), or of the configuration."""
-        if wind is None:
-            self._rotor = None
-            fixed = derive(self._configuration)
-            self._drive = Drive(fixed.ring_speed, fixed.ring_speed, fixed.input_torque, fixed.input_torque)
-        else:
-            self._rotor = Rotor(self._configuration.turbine, wind)
-            self._drive = Drive(self._rotor.speed, self._rotor.speed, self._rotor.torque, self._rotor.torque)
-            self._wind = wind
+    def begin(self, inputs: Inputs) -> None:
+        """Start from the initial state, with the inputs that the source needs."""
+        self._inputs = inputs
         self._simulation = Simulation(
             self._configuration,
-            self._drive,
+            self.source.begin(inputs),
             start=self._start,
             excitation=self._excitation,
             sample_rate=self._sample_rate,
         )
         self._forget_second()
 
-    def advance(self, wind: float | None) -> Block:
-        """Integrate one tick, at whose end the wind is as given (m/s), and return its samples."""
+    def checkpoint(self) -> dict[str, Any]:
+        """Return all that the future depends on: simulation and source."""
         assert self._simulation is not None, "begin comes first"
-        if self._rotor is not None and wind is not None:
-            self._wind = wind
-            self._drive = self._rotor.advance(wind, self.tick)
-        block = self._simulation.advance(self._samples, self._drive)
+        simulation = {_SIMULATION + name: value for name, value in self._simulation.checkpoint().items()}
+        return {**simulation, **{_SOURCE + name: value for name, value in self.source.state().items()}}
+
+    def resume(self, checkpoint: Mapping[str, Any]) -> None:
+        """Go on from what `checkpoint` returned, in the place of `begin`.
+
+        Raises:
+            InputError: the checkpoint is of another kind of run.
+        """
+
+        def part(prefix: str) -> dict[str, Any]:
+            return {name.removeprefix(prefix): v for name, v in checkpoint.items() if name.startswith(prefix)}
+
+        self._simulation = Simulation.resume(
+            self._configuration, part(_SIMULATION), excitation=self._excitation, sample_rate=self._sample_rate
+        )
+        try:
+            self.source.restore(part(_SOURCE))
+        except KeyError as error:
+            raise InputError("checkpoint", f"a run {self.source.description}", f"nothing about its {error}") from error
+        self._forget_second()
+
+    def advance(self, inputs: Inputs) -> Block:
+        """Integrate one tick, at whose end the inputs are as given, and return its samples."""
+        assert self._simulation is not None, "begin comes first"
+        self._inputs = inputs
+        block = self._simulation.advance(self._samples, self.source.advance(inputs, self.tick))
         self._open += block.open_fraction
         self._back += block.back_fraction
         self._ticks += 1
@@ -100,16 +128,19 @@ class Session:
 
     def values(self) -> dict[str, str]:
         """What drives the gearbox now, for diagnostics."""
+        drive = self.source.drive
         values = {
-            "ring speed (r/min)": f"{self._drive.speed_end * 30 / math.pi:.4f}",
-            "input torque (N m)": f"{self._drive.torque_end:.6g}",
+            "ring speed (r/min)": f"{drive.speed_end * 30 / math.pi:.4f}",
+            "input torque (N m)": f"{drive.torque_end:.6g}",
         }
-        return {"wind speed (m/s)": f"{self._wind:.3f}", **values} if self.wind_driven else values
+        wind = self._inputs.get("wind")
+        return values if wind is None else {"wind speed (m/s)": f"{wind:.3f}", **values}
 
     def truth(self) -> dict[str, str]:
-        """Ground truth since the last call: excitation and how often each mesh was open or on its back flank."""
+        """Ground truth since the last call: excitation, events, how often each mesh was open or on its back flank."""
         ticks = max(1, self._ticks)
-        values = {"excitation": self._excitation}
+        values = {"excitation": self._excitation, "drive": self.source.description}
+        values |= {f"{event} (s)": f"{time:.6f}" for event, time in self.source.events().items()}
         for mesh, share, back in zip(names.MESHES, self._open / ticks, self._back / ticks, strict=True):
             values[f"open fraction {mesh} (1)"] = f"{share:.6f}"
             values[f"back-flank fraction {mesh} (1)"] = f"{back:.6f}"

@@ -126,6 +126,10 @@ class Gravity:
     )
 
 
+OWN_STEPS = {"gautschi": 1 / 20480, "etdrk4": 1 / 20480, "rk4": 1 / 40960}
+"""Steps where none is given, s: below the bounds with 100 ring segments, and whole parts of 1/5120 s."""
+
+
 @dataclass(frozen=True)
 class Numerics:
     """How the equations are solved."""
@@ -135,7 +139,13 @@ class Numerics:
         "gautschi: fast, ring modes below ring_bandwidth; etdrk4: precise, all ring modes; rk4: the paper's",
         choices=("gautschi", "etdrk4", "rk4"),
     )
-    step: float = quantity(MISSING, "time step of the integrator", "s", minimum=1e-7, maximum=1e-2)
+    step: float | None = quantity(
+        MISSING,
+        "time step of the integrator; none: its own, 1/20480 s of gautschi and etdrk4, 1/40960 s of rk4",
+        "s",
+        minimum=1e-7,
+        maximum=1e-2,
+    )
     ring_bandwidth: float = quantity(
         MISSING,
         "frequency above which gautschi takes ring modes as a static flexibility",
@@ -146,3 +156,8 @@ class Numerics:
     ring: str = quantity(
         MISSING, "whether the ring's segments can move against each other", choices=("flexible", "rigid")
     )
+
+    @property
+    def time_step(self) -> float:
+        """The step given, or the integrator's own, s."""
+        return self.step if self.step is not None else OWN_STEPS[self.integrator]

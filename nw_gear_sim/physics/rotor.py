@@ -79,6 +79,10 @@ class Rotor:
         """Input torque, N m."""
         return self._torque
 
+    def restore(self, speed: float, torque: float) -> None:
+        """Take over a speed (rad/s) and a torque (N m) from before."""
+        self._speed, self._torque = speed, torque
+
     def advance(self, wind_speed: float, duration: float) -> Drive:
         """Go on by `duration` (s) under a wind speed (m/s) and return speed and torque at both ends.
 

@@ -81,7 +81,7 @@ def test_every_value_has_its_source_and_every_number_its_unit() -> None:
 def test_numbers_are_correctly_rounded() -> None:
     assert CONFIGURATION.mesh.I.error_amplitude == 13.3e-6
     assert CONFIGURATION.gears.planet_1.bore_radius == 0.1629
-    assert CONFIGURATION.numerics.step == 1 / 20480
+    assert CONFIGURATION.numerics.time_step == 1 / 20480
     assert CONFIGURATION.bearings.exponent == 10 / 9
 
 

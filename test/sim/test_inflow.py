@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nw_gear_sim.nodes.inflow import WindInflow
+from nw_gear_sim.nodes.inflow import Inflow
 
 
 def inflow(samples):
-    result = WindInflow()
+    result = Inflow()
     for time, speed in samples:
         result.add(time, speed)
     return result

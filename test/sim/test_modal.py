@@ -13,7 +13,7 @@ from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.modal import forces as modal_forces
 from nw_gear_sim.modal import stepping as modal_stepping
 from nw_gear_sim.modal.laws import ModalLaws, choose_modes
-from nw_gear_sim.modalring import RingModes, ring_matrices, ring_modes
+from nw_gear_sim.modal.ring import RingModes, ring_matrices, ring_modes
 from nw_gear_sim.physics.friction import empty_table, fill_table
 from test.sim.gearboxes import RATED_SPEED, RATED_TORQUE
 

@@ -182,7 +182,7 @@ def test_divergence_names_time_state_and_step(integrator: str, monkeypatch: pyte
         ({"start": "middle"}, "start"),
         ({"excitation": "free"}, "excitation"),
         ({"sample_rate": 5000.0}, "sample_rate"),
-        ({"sample_rate": 81920.0}, "sample_rate"),
+        ({"sample_rate": 30720.0}, "sample_rate"),
         ({"sample_rate": 0.0}, "sample_rate"),
     ],
 )
@@ -197,5 +197,14 @@ def test_no_samples() -> None:
 
 
 def test_steps_per_sample() -> None:
-    assert steps_per_sample(1 / 40960, 5120) == 8
-    assert steps_per_sample(1 / 40960, 40960) == 1
+    def steps(rate: float, **numerics: object) -> int:
+        changed = with_values({f"numerics.{name}": value for name, value in numerics.items()}, CONFIGURATION)
+        return steps_per_sample(changed.numerics, rate)
+
+    assert steps(5120.0) == 4
+    assert steps(20480.0) == 1
+    assert steps(40960.0) == 1
+    assert steps(5120.0, integrator="rk4") == 8
+    assert steps(5120.0, step=1 / 15360) == 3
+    with pytest.raises(InputError, match="sample_rate"):
+        steps(40960.0, step=1 / 20480)

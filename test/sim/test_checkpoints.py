@@ -1,0 +1,98 @@
+"""Checkpoints on disk: complete or not there, of the same configuration or refused."""
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nw_gear_common.errors import InputError
+from nw_gear_sim import config
+from nw_gear_sim.checkpoints import read_checkpoint, write_checkpoint
+from nw_gear_sim.drives import LoadCase, Source, WindDriven
+from nw_gear_sim.nodes.session import Session
+
+BASE = config.load()
+TEXT = config.to_yaml(BASE)
+VALUES = {"a": np.array([1.0, math.pi, -0.0, 5e-324]), "n": 3, "t": 0.1 + 0.2, "words": "grid loss"}
+
+
+def test_everything_comes_back_bit_for_bit(tmp_path: Path) -> None:
+    path = tmp_path / "deep" / "state.npz"
+    write_checkpoint(path, TEXT, VALUES)
+    found = read_checkpoint(path, TEXT)
+    assert found["a"].tobytes() == VALUES["a"].tobytes()  # type: ignore[attr-defined]
+    assert {name: found[name] for name in ("n", "t", "words")} == {name: VALUES[name] for name in ("n", "t", "words")}
+    assert [entry.name for entry in path.parent.iterdir()] == ["state.npz"]
+
+
+def test_another_configuration_is_refused_with_the_first_difference(tmp_path: Path) -> None:
+    path = tmp_path / "state.npz"
+    write_checkpoint(path, TEXT, VALUES)
+    other = config.to_yaml(config.with_values({"mesh.II.backlash": 46e-6}, BASE))
+    with pytest.raises(InputError, match=r"state\.npz: mesh\.II\.backlash: expected 4\.6e-05 m, got 4\.5e-05 m"):
+        read_checkpoint(path, other)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 0.999])
+def test_a_cut_file_is_refused(tmp_path: Path, share: float) -> None:
+    path = tmp_path / "state.npz"
+    write_checkpoint(path, TEXT, VALUES)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InputError, match="a damaged or foreign file"):
+        read_checkpoint(path, TEXT)
+
+
+def test_foreign_files_are_refused(tmp_path: Path) -> None:
+    np.savez(tmp_path / "foreign.npz", a=np.zeros(3))
+    (tmp_path / "text.npz").write_text("not an archive")
+    for name, got in (
+        ("foreign.npz", "damaged or foreign"),
+        ("text.npz", "damaged or foreign"),
+        ("none.npz", "no such"),
+    ):
+        with pytest.raises(InputError, match=got):
+            read_checkpoint(tmp_path / name, TEXT)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_cant_be_written(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="a file that can be written"):
+        write_checkpoint(tmp_path / "state.npz", TEXT, VALUES)
+
+
+@pytest.mark.parametrize("case", ["wind", "grid_loss"])
+def test_a_session_goes_on_bit_for_bit(tmp_path: Path, case: str) -> None:
+    """Through the file, in wind and in the middle of a load case."""
+
+    def make() -> Session:
+        source: Source = WindDriven(BASE) if case == "wind" else LoadCase(BASE, case, 0.02, windy=True)
+        return Session(BASE, source, "kinematic", "equilibrium", 5120.0)
+
+    def wind(session: Session) -> dict[str, float]:
+        return {"wind": 11.0 + math.sin(40.0 * session.time)}
+
+    first = make()
+    first.begin({"wind": 11.0})
+    for _ in range(4):
+        first.advance(wind(first))
+    write_checkpoint(tmp_path / "state.npz", TEXT, first.checkpoint())
+    second = make()
+    second.resume(read_checkpoint(tmp_path / "state.npz", TEXT))
+    assert second.time == first.time
+    for _ in range(4):
+        expected, found = first.advance(wind(first)), second.advance(wind(second))
+        for name in ("time", "phase", "x", "v", "force", "bearing_force", "shaft_torque"):
+            assert np.array_equal(getattr(found, name), getattr(expected, name)), name
+    assert second.source.events() == first.source.events()
+
+
+def test_a_checkpoint_of_another_drive_is_refused() -> None:
+    windy = Session(BASE, WindDriven(BASE), "kinematic", "equilibrium", 5120.0)
+    windy.begin({"wind": 11.0})
+    case = Session(BASE, LoadCase(BASE, "grid_loss", 1.0, windy=True), "kinematic", "equilibrium", 5120.0)
+    with pytest.raises(InputError, match="drive-train: scenario: expected grid_loss"):
+        case.resume(windy.checkpoint())
