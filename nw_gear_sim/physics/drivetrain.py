@@ -19,6 +19,7 @@ and the generator's controller (active damping) are left out, and the gearbox do
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from nw_gear_common.errors import InputError
@@ -150,7 +151,7 @@ class DriveTrain:
         texts = {"scenario": self._scenario, "phase": self.phase}
         return {**texts, "time": self.time, **dict(zip(_STATE, self._state, strict=True)), **shares, **events}
 
-    def restore(self, state: dict[str, float | str]) -> None:
+    def restore(self, state: Mapping[str, float | str]) -> None:
         """Go on from what `state` returned, bit for bit.
 
         Raises:
