@@ -205,6 +205,7 @@ def _assemble(
         place = _row(file, numbers, kept[int(np.flatnonzero(broken)[0]) + 1])
         expected = f"at most {limit:g} s after the row before (or gaps set to bridge)"
         raise InputError(place, expected, f"{found[0][1] - found[0][0]:g} s, the first of {len(found)} gaps")
+    steps = np.diff(times)[~broken]
     ends = [(every[0], times[0])] * bool(kept[0] > 0), [(times[-1], every[-1])] * bool(kept[-1] < len(every) - 1)
     stretches = [*ends[0], *found, *ends[1]]
     return DriveSeries(
@@ -213,7 +214,7 @@ def _assemble(
         torque=np.ascontiguousarray(values[1][kept]),
         source=f"{file.path}: {choice.text}",
         gaps=tuple(Gap(float(a - times[0]), float(b - a), _label(numbers.origin, a)) for a, b in stretches),
-        rate_hz=rate(np.diff(times)[~broken], interval),
+        rate_hz=rate(steps, float(steps.mean()) if steps.size else interval),
         origin=_label(numbers.origin, times[0]),
         empty_rows=len(good) - len(kept),
     )
