@@ -11,6 +11,7 @@ rows: int16 with value = (stored - offset) / scale, doubles with identifier 3.
 from __future__ import annotations
 
 import struct
+from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,13 +56,12 @@ class TextOutput:
             InputError: a line has another number of columns than the header, or a cell isn't a number.
         """
         chosen = (time, *columns)
-        found: list[list[float]] = []
-        lines: list[int] = []
+        found, lines = array("d"), array("l")
         with Path(self.path).open(encoding="utf-8", errors="replace") as stream:
             for number, line in enumerate(stream, 1):
                 cells = line.split() if number >= self.first else []
                 if cells:
-                    found.append(self._row(number, cells, chosen))
+                    found.extend(self._row(number, cells, chosen))
                     lines.append(number)
         table = np.array(found).reshape(-1, len(chosen))
 

@@ -6,11 +6,14 @@ that is read, and at least one number whose comma can't separate thousands.
 
 from __future__ import annotations
 
+import math
 import re
+from array import array
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
+from functools import partial
 
 import numpy as np
 
@@ -39,7 +42,7 @@ class _Decimals:
     comma_at: str = ""
     sure: bool = False
 
-    def number(self, place: str, text: str) -> float:
+    def number(self, place: Callable[[], str], text: str) -> float:
         plain = text
         if "," in text and self.delimiter != ",":
             match = _COMMA.fullmatch(text)
@@ -48,7 +51,7 @@ class _Decimals:
             else:
                 plain = text.replace(",", ".")
                 self.sure = self.sure or len(match[2]) != 3 or match[1] in ("", "0") or len(match[1]) > 3
-            self.comma_at = self.comma_at or place
+            self.comma_at = self.comma_at or place()
             self.commas = True
         elif "." in text:
             self.points = True
@@ -57,15 +60,15 @@ class _Decimals:
         try:
             return float(plain)
         except ValueError:
-            raise InputError(place, "a number or an empty cell", repr(printable(text))) from None
+            raise InputError(place(), "a number or an empty cell", repr(printable(text))) from None
 
     def finish(self) -> None:
         if self.commas and not self.sure:
             expected = "numbers with a decimal point"
             raise InputError(self.comma_at, expected, "commas that may be decimal or separate thousands")
 
-    def _refuse(self, place: str, text: str) -> None:
-        raise InputError(place, "either decimal points or decimal commas throughout", repr(printable(text)))
+    def _refuse(self, place: Callable[[], str], text: str) -> None:
+        raise InputError(place(), "either decimal points or decimal commas throughout", repr(printable(text)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,15 +96,13 @@ class ScadaFile:
         """
         decimals = _Decimals(self.path, self.delimiter)
         clock = _Clock(decimals, scale)
-        times: list[float] = []
-        values: list[list[float]] = []
-        numbers: list[int] = []
+        times, values, numbers = array("d"), array("d"), array("l")
         for number, cells in self._cells:
             if len(cells) != len(self.titles):
                 expected = f"{len(self.titles)} cells as in the header"
                 raise InputError(f"{self.path}: row {number}", expected, str(len(cells)))
-            times.append(clock.read(self._cell(number, time), cells[time]))
-            values.append([self._value(decimals, number, i, cells[i]) for i in columns])
+            times.append(clock.read(partial(self._cell, number, time), cells[time]))
+            values.extend(self._value(decimals, number, i, cells[i]) for i in columns)
             numbers.append(number)
         decimals.finish()
 
@@ -112,7 +113,7 @@ class ScadaFile:
         return Numbers(np.array(times), table, place, clock.origin or EPOCH, np.zeros(len(columns)))
 
     def _value(self, decimals: _Decimals, number: int, i: int, text: str) -> float:
-        return np.nan if empty(text) else decimals.number(self._cell(number, i), text)
+        return np.nan if empty(text) else decimals.number(partial(self._cell, number, i), text)
 
     def _cell(self, number: int, column: int) -> str:
         return f"{self.path}: row {number}, column {printable(self._header[column])}"
@@ -126,25 +127,25 @@ class _Clock:
         self._decimals, self._scale = decimals, scale
         self._started = False
 
-    def read(self, place: str, text: str) -> float:
+    def read(self, place: Callable[[], str], text: str) -> float:
         """Return seconds after the first time, or the number in seconds."""
         if not self._started:
             self._started = True
-            self.origin = None if _numeric(text) else moment(place, text)
+            self.origin = None if _numeric(text) else moment(place(), text)
         if self.origin is None:
             if not _numeric(text):
-                raise InputError(place, "a number, as the times before", repr(printable(text)))
+                raise InputError(place(), "a number, as the times before", repr(printable(text)))
             return self._decimals.number(place, text) * self._scale
         if _numeric(text):
-            raise InputError(place, "a date and time in ISO 8601, as those before", repr(printable(text)))
-        later = moment(place, text)
-        same_zone(place, self.origin, later)
+            raise InputError(place(), "a date and time in ISO 8601, as those before", repr(printable(text)))
+        later = moment(place(), text)
+        same_zone(place(), self.origin, later)
         return (later - self.origin).total_seconds()
 
 
 def _numeric(text: str) -> bool:
     try:
-        return bool(np.isfinite(float(text.replace(",", "."))))
+        return math.isfinite(float(text.replace(",", ".")))
     except ValueError:
         return False
 
