@@ -28,6 +28,7 @@ PACKED_TIMES, STEPPED, DOUBLES, WIDE_NAMES = 1, 2, 3, 4
 
 USUAL_WIDTH = 10
 FEWEST_ROWS = 2
+LEAST_INT16 = -(2**15)
 LONGEST_HEADER = 100
 """Lines of a text in which the channel names must come."""
 
@@ -227,8 +228,8 @@ def binary(path: str) -> BinaryOutput:
 
 
 def _binary(data: _Bytes) -> BinaryOutput:
-    identifier = data.number("h", "identifier of the format (1 to 4)", PACKED_TIMES)
-    if identifier > WIDE_NAMES:
+    identifier = data.number("h", "identifier of the format", LEAST_INT16)
+    if not PACKED_TIMES <= identifier <= WIDE_NAMES:
         raise InputError(f"{data.path}: byte 0", "identifier of the format (1 to 4)", str(identifier))
     width = data.number("h", "width of channel names", 1) if identifier == WIDE_NAMES else USUAL_WIDTH
     channels = data.number("i", "number of channels", 1)
@@ -249,8 +250,9 @@ def _binary(data: _Bytes) -> BinaryOutput:
     titles = data.texts(channels + 1, width, "channel names")
     units = data.texts(channels + 1, width, "units")
     start = data.at
-    data.need(rows * (channels * (8 if identifier == DOUBLES else 2) + (4 if packed else 0)), "rows")
-    end = start + rows * (channels * (8 if identifier == DOUBLES else 2) + (4 if packed else 0))
+    size = rows * (channels * (8 if identifier == DOUBLES else 2) + (4 if packed else 0))
+    data.need(size, "rows")
+    end = start + size
     if end != data.size:
         raise InputError(f"{data.path}: byte {end}", f"the end of the file after {rows} rows", f"{data.size} bytes")
     bare = tuple(unit.removeprefix("(").removesuffix(")") for unit in units)
