@@ -180,6 +180,7 @@ class GearSimNode(Node):
         limit = self._settings.duration
         while not self._stop and not self._reset.is_set():
             if (limit and self._session.time >= limit - 1e-9) or self._session.source.over():
+                self._report_progress()
                 return False
             if self._may_advance():
                 self._advance()

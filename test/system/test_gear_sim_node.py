@@ -107,13 +107,24 @@ def test_without_wind_it_waits_and_says_for_what():
             assert "wind_speed" in waiting()[0].message
 
 
-def test_a_diverged_integration_ends_with_time_state_and_step(tmp_path):
-    overlay = tmp_path / "too_coarse.yaml"
-    overlay.write_text("operation: {drive: fixed}\nnumerics:\n  step: {value: 9.765625e-5, unit: s}\n")
-    with running("gear_sim_node", [f"config:={overlay}", "real_time_factor:=0.0"]) as sim:
-        assert sim.wait(COMPILING) == 1
-        message = sim.stderr.strip().splitlines()[-1]
-    assert re.match(r"gear_sim_node: integration diverged at \d+\.\d+ s \(step \d+\): \S+.* is \S+ m", message), message
+def test_a_diverged_integration_ends_with_time_state_and_step_and_publishes_no_nan(tmp_path):
+    """A file whose torque rises to a million times the rated one tears the gearbox apart in numbers."""
+    file = tmp_path / "apart.csv"
+    file.write_text("time (s),speed (rad/s),torque (N m)\n0,1.8,4e6\n1,1.8,4e6\n1.01,1.8,4e12\n9,1.8,4e12\n")
+    drive = [
+        f"drive_file:={file}",
+        "drive_gaps:=bridge",
+    ]
+    with Probe() as probe:
+        blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
+        with running("gear_sim_node", ["real_time_factor:=0.0", "wait_for:=1", *drive]) as sim:
+            probe.wait_until(lambda: sim.code is not None, sim, limit=COMPILING)
+            assert sim.code == 1
+            message = sim.stderr.strip().splitlines()[-1]
+    assert re.match(r"gear_sim_node: integration diverged at 1\.\d+ s \(step \d+\): \S+.* is \S+ m", message), message
+    data = waveform(blocks)
+    assert np.isfinite(data).all()
+    assert len(data) == 20 * 256  # the blocks before the torque rose
 
 
 def test_pause_stops_time_and_reset_starts_again():
