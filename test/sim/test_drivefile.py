@@ -131,23 +131,6 @@ def test_forms_of_a_scada_file(tmp_path: Path, text: str, columns: str) -> None:
     assert series.rate_hz is None
 
 
-@pytest.mark.parametrize(
-    ("unit", "factor"), [("r/min", RPM), ("rpm", RPM), ("1/min", RPM), ("Hz", 2 * math.pi), ("rad/s", 1.0)]
-)
-def test_units_of_speed(tmp_path: Path, unit: str, factor: float) -> None:
-    path = write(tmp_path, f"time,speed ({unit}),torque\n0,3,1\n1,4,1\n")
-    np.testing.assert_allclose(read_drive_file(path).speed, np.array([3.0, 4.0]) * factor)
-
-
-@pytest.mark.parametrize(
-    ("unit", "factor"),
-    [("kN-m", 1e3), ("kN m", 1e3), ("kNm", 1e3), ("kN·m", 1e3), ("N*m", 1.0), ("MN.m", 1e6), ("Nm", 1.0)],
-)
-def test_units_of_torque(tmp_path: Path, unit: str, factor: float) -> None:
-    path = write(tmp_path, f"time,speed,torque [{unit}]\n0,3,1.5\n1,4,2\n")
-    np.testing.assert_allclose(read_drive_file(path).torque, np.array([1.5, 2.0]) * factor)
-
-
 def test_ten_minute_means_far_from_the_epoch(tmp_path: Path) -> None:
     rows = "".join(
         f"2023-07-{1 + i // 144:02d} {i // 6 % 24:02d}:{i % 6}0:00;{10 + i % 3};{1500 + i}\n" for i in range(600)
@@ -281,16 +264,6 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         read_drive_file(write(tmp_path, HEAD), gaps="ignore")
     with pytest.raises(InputError, match="longest_gap: expected a time above 0 s, got nan"):
         read_drive_file(write(tmp_path, HEAD), longest_gap=math.nan)
-
-
-def test_columns_in_words() -> None:
-    assert parse_columns("time=Time s, speed=RotSpeed r/min, torque=RotTorq kN m") == DriveColumns(
-        time="Time", time_unit="s", speed="RotSpeed", speed_unit="r/min", torque="RotTorq", torque_unit="kN m"
-    )
-    assert parse_columns("speed=Rotor speed") == DriveColumns(speed="Rotor speed")
-    for text in ("speed", "speed=", "pace=x", "speed=a,speed=b", ""):
-        with pytest.raises(InputError, match="each of time, speed, torque, power once"):
-            parse_columns(text)
 
 
 def test_info(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
