@@ -28,12 +28,13 @@ class Source(Protocol):
     """What drives the gearbox.
 
     Attributes:
-        needs: the inputs that have to be known; description: in words.
+        needs: the inputs that have to be known; description: in words; remarks: what people should know about it.
         drive: of the last interval.
     """
 
     needs: tuple[str, ...]
     description: str
+    remarks: tuple[str, ...]
     drive: Drive
 
     def begin(self, inputs: Inputs) -> Drive:
@@ -60,6 +61,7 @@ class _Plain:
 
     needs: tuple[str, ...] = ()
     description = ""
+    remarks: tuple[str, ...] = ()
 
     def __init__(self) -> None:
         self.drive = Drive(0.0, 0.0, 0.0, 0.0)
@@ -157,6 +159,7 @@ class Recorded(_Plain):
     def __init__(self, series: DriveSeries, *, hold: bool) -> None:
         super().__init__()
         self.description = f"driven by {series.source}"
+        self.remarks = tuple(f"{series.source}: bridged a gap of {gap.seconds:g} s from {gap.label}" for gap in series.gaps)
         self._series, self._hold = series, hold
         self._time = 0.0
 

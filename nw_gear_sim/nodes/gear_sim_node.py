@@ -26,12 +26,14 @@ from nw_gear_common.ros import Stop, declare_parameters, latched_qos, leave_now,
 from nw_gear_sim import config
 from nw_gear_sim.checkpoints import read_checkpoint, write_checkpoint
 from nw_gear_sim.drives import SPEED, TORQUE, WIND
+from nw_gear_sim.kinematics import derive
 from nw_gear_sim.nodes.inflow import Inflows
 from nw_gear_sim.nodes.inputs import make_source, ring_sample
 from nw_gear_sim.nodes.pacing import Busy, Pace
 from nw_gear_sim.nodes.publishing import Reports, Views, Waveform
 from nw_gear_sim.nodes.session import Session
 from nw_gear_sim.nodes.sim_settings import Settings
+from nw_gear_sim.remarks import remarks
 from nw_gear_sim.simulation import compile_kernels
 
 POLL = 0.02
@@ -76,6 +78,8 @@ class GearSimNode(Node):
         self.create_service(SetBool, "~/pause", self._on_pause)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_service(Trigger, "~/checkpoint", self._on_checkpoint)
+        for remark in (*self._session.source.remarks, *remarks(self._configuration, derive(self._configuration))):
+            self.get_logger().warning(remark)
         self._origin = 0.0
         self._refused = 0
         self._resumed = False
