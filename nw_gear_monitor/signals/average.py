@@ -55,8 +55,8 @@ def synchronous_average(
     a(theta) = (1/N) sum_n x(theta + 2 pi n) with x resampled to equal steps of phase. What repeats every turn stays,
     noise falls as 1/sqrt(N), a line at another order q is multiplied by |sin(pi N q) / (N sin(pi q))|. Source:
     McFadden, "A revised model for the extraction of periodic waveforms by time domain averaging", Mech. Syst. Signal
-    Process. 1 (1987) 83-95, from memory. On a shaft with an odd number of teeth it takes out half the mesh frequency: period doubling can't be
-    seen in it.
+    Process. 1 (1987) 83-95, from memory. On a shaft with an odd number of teeth it takes out half the mesh
+    frequency: period doubling can't be seen in it.
 
     Args:
         phase: (samples,) unwrapped phase of the shaft, rad (mesh phase over number of teeth).

@@ -26,8 +26,8 @@ def test_the_error_of_the_spline_falls_with_its_order(degree):
         return np.max(np.abs(turns.values[10:-10] - truth))
 
     assert np.log2(error(12) / error(24)) == pytest.approx(degree + 1, abs=0.5)
-    assert error(10) < {1: 6e-2, 3: 3e-3, 5: 3e-4}[degree]
-    assert error(5) < {1: 0.25, 3: 7e-2, 5: 3e-2}[degree]
+    assert error(10) < {1: 5e-2, 3: 5e-4, 5: 5e-6}[degree]
+    assert error(5) < {1: 0.2, 3: 1e-2, 5: 6e-4}[degree]
 
 
 def test_turns_begin_at_whole_multiples_of_the_phase():
