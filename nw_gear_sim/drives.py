@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Protocol
 
+from nw_gear_common.errors import InputError
 from nw_gear_sim.drivefile import DriveSeries
 from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
@@ -229,11 +230,18 @@ class LoadCase(_Plain):
 
     def state(self) -> State:
         """Return the state of the drive-train."""
-        return {**super().state(), **{f"train.{name}": value for name, value in self._train.state().items()}}
+        train = {f"train.{name}": value for name, value in self._train.state().items()}
+        return {**super().state(), "event_time": self._event_time, **train}
 
     def restore(self, state: Mapping[str, float | str]) -> None:
-        """Take over what `state` returned."""
+        """Take over what `state` returned.
+
+        Raises:
+            InputError: another load case, or another time of it.
+        """
         super().restore(state)
+        if state.get("event_time", self._event_time) != self._event_time:
+            raise InputError("checkpoint: event_time", f"{self._event_time:g} s", f"{state['event_time']} s")
         train = {name.removeprefix("train."): value for name, value in state.items() if name.startswith("train.")}
         self._train.restore(train)
 
