@@ -160,7 +160,7 @@ class Recorded(_Plain):
     def __init__(self, series: DriveSeries, *, hold: bool) -> None:
         super().__init__()
         self.description = f"driven by {series.source}"
-        self.remarks = tuple(f"{series.source}: bridged a gap of {gap.seconds:g} s from {gap.label}" for gap in series.gaps)
+        self.remarks = tuple(f"bridged a gap of {gap.seconds:g} s from {gap.label}" for gap in series.gaps)
         self._series, self._hold = series, hold
         self._time = 0.0
 
