@@ -82,8 +82,8 @@ def sidebands(
     s = np.arange(1, count + 1)[:, None] * np.array([-1.0, 1.0])
     multiples = np.arange(1, harmonics + 1)
     orders = [multiples.astype(np.float64), *(multiples[:, None, None] + s / z for z in teeth)]
-    deviation = turns.flat - turns.flat.mean()
-    mesh, driver, driven = (_amplitudes(deviation, turns.per_turn, order) for order in orders)
+    deviation = turns.values - turns.values.mean()
+    mesh, driver, driven = (_amplitudes(deviation, order) for order in orders)
     weakest, rms = float(mesh.min()), float(np.std(deviation))
     if weakest <= LEAST_LINE * rms:
         raise InputError("x", f"lines at 1..{harmonics} mesh orders", f"{weakest:.3g} of {rms:.3g} rms at one of them")
@@ -126,9 +126,17 @@ def _alone(teeth: tuple[int, int], count: int, apart: float) -> npt.NDArray[np.b
     return np.asarray(distance.min(axis=1) >= apart)
 
 
-def _amplitudes(deviation: Array, per_turn: int, orders: Array) -> Array:
+def _amplitudes(deviation: Array, orders: Array) -> Array:
+    """Amplitudes at the orders; `deviation` is (cycles, points in a cycle).
+
+    With phi = 2 pi (c + m / points) the sum over all points is one over cycles, a product of matrices, and then one
+    over the points of a cycle.
+    """
     window = hann(deviation.size)
-    weighted = window * deviation
-    phase = 2.0 * np.pi * np.arange(deviation.size) / per_turn
-    sums = [abs(complex(np.dot(weighted, np.exp(-1j * order * phase)))) for order in orders.flat]
-    return 2.0 * np.array(sums).reshape(orders.shape) / float(window.sum())
+    weighted = deviation * window.reshape(deviation.shape)
+    angle = -2.0 * np.pi * orders.reshape(-1, 1)
+    cycles, points = (np.arange(size) for size in deviation.shape)
+    over_cycles = np.cos(angle * cycles) @ weighted + 1j * (np.sin(angle * cycles) @ weighted)
+    sums = np.sum(over_cycles * np.exp(1j * angle * points / points.size), axis=1)
+    amplitudes: Array = 2.0 * np.abs(sums).reshape(orders.shape) / float(window.sum())
+    return amplitudes

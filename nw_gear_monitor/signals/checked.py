@@ -30,8 +30,11 @@ def signal(place: str, x: Array, least: int = 2) -> Array:
 
 
 def finite(place: str, x: Array, least: int = 1) -> Array:
-    """Return x as float64; raises InputError where it isn't one-dimensional, long enough and finite."""
-    values = np.asarray(x, dtype=np.float64)
+    """Return x as float64; raises InputError where it isn't real, one-dimensional, long enough and finite."""
+    given = np.asarray(x)
+    if given.dtype.kind not in "iuf":
+        raise InputError(place, "real numbers", f"values of type {given.dtype}")
+    values = given.astype(np.float64)
     if values.ndim != 1:
         raise InputError(place, "an array of one dimension", f"shape {values.shape}")
     if values.size < least:

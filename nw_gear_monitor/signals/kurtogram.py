@@ -64,8 +64,8 @@ def spectral_kurtosis(x: Array, rate: float, segment: int) -> tuple[Array, Array
     """
     rate, segment = checked.positive("rate", rate), checked.whole("segment", segment, 8)
     hop = segment // 2
-    x = checked.signal("x", x, segment + (LEAST_SEGMENTS - 1) * hop)
-    pieces = np.lib.stride_tricks.sliding_window_view(x - x.mean(), segment)[::hop]
+    x = _scaled(checked.signal("x", x, segment + (LEAST_SEGMENTS - 1) * hop))
+    pieces = np.lib.stride_tricks.sliding_window_view(x, segment)[::hop]
     power = np.abs(np.fft.rfft(pieces * hann(segment), axis=1)[:, 2 : (segment + 1) // 2 - 1]) ** 2
     mean = power.mean(axis=0)
     there = mean > LEAST_ENERGY * float(mean.sum())
@@ -95,8 +95,8 @@ def kurtogram(x: Array, rate: float, levels: int | None = None) -> tuple[Band, .
         InputError: a signal or rate that can't be used, more levels than LEAST_VALUES values per band allow.
     """
     rate = checked.positive("rate", rate)
-    x = checked.signal("x", x, 8 * LEAST_VALUES)
-    spectrum = np.fft.rfft(x - x.mean())
+    x = _scaled(checked.signal("x", x, 8 * LEAST_VALUES))
+    spectrum = np.fft.rfft(x)
     finest = int(np.log2((spectrum.size - 1) / LEAST_VALUES))
     depth = min(finest, 8) if levels is None else checked.whole("levels", levels, 1)
     if depth > finest:
@@ -118,6 +118,13 @@ def most_impulsive(bands: tuple[Band, ...]) -> Band:
     if not bands:
         raise InputError("bands", "at least one", "none")
     return max(bands, key=lambda band: band.kurtosis)
+
+
+def _scaled(x: Array) -> Array:
+    """The signal without its mean, at most 1 in size, so that fourth powers stay in range."""
+    unit = x / float(np.max(np.abs(x)))
+    deviation: Array = unit - unit.mean()
+    return deviation / float(np.max(np.abs(deviation)))
 
 
 def _cells(spectrum: npt.NDArray[np.complex128], number: int, step: float, total: float) -> list[Band]:

@@ -76,6 +76,7 @@ def whole_turns(phase: Array, x: Array, *, per_turn: int | None = None, degree: 
     phase = checked.phase("phase", phase, x.size)
     if degree not in DEGREES:
         raise InputError("degree", "1, 3 or 5", repr(degree))
+    least = checked.whole("least", least, 1)
     points = _points(phase) if per_turn is None else checked.whole("per_turn", per_turn, 2)
     start, end = phase[0] / TURN, phase[-1] / TURN
     first = int(np.ceil(start - SLACK))

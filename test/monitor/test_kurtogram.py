@@ -68,6 +68,13 @@ def test_the_bands_of_each_level_tile_the_range():
         assert all(a.high == b.low for a, b in pairwise(level))
 
 
+@pytest.mark.parametrize("size", [1e-150, 1e150])
+def test_the_unit_doesnt_matter(size):
+    small, large = NOISE[:8192], size * NOISE[:8192]
+    assert [b.kurtosis for b in kurtogram(large, RATE)] == pytest.approx([b.kurtosis for b in kurtogram(small, RATE)])
+    np.testing.assert_allclose(spectral_kurtosis(large, RATE, 64), spectral_kurtosis(small, RATE, 64))
+
+
 def bent(at, value):
     changed = NOISE[:4096].copy()
     changed[at] = value

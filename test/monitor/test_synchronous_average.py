@@ -104,6 +104,8 @@ def bent(values, at, value):
         (GOOD, np.zeros(1000), "x"),
         (GOOD[:5], WAVE[:5], "x"),
         (GOOD, np.ones((1000, 2)), "x"),
+        (GOOD, np.exp(1j * GOOD), "x"),
+        (GOOD, np.full(1000, "1.0"), "x"),
         (bent(GOOD, 10, np.nan), WAVE, "phase"),
         (bent(GOOD, 10, GOOD[9]), WAVE, "phase"),
         (-GOOD, WAVE, "phase"),
@@ -122,7 +124,7 @@ def test_bad_input_is_refused(phase, x, place):
 
 
 def test_bad_settings_are_refused():
-    for keywords in ({"degree": 2}, {"per_turn": 1}, {"per_turn": 2.5}, {"least": 100}):
+    for keywords in ({"degree": 2}, {"per_turn": 1}, {"per_turn": 2.5}, {"least": 100}, {"least": 0}):
         with pytest.raises(InputError):
             synchronous_average(GOOD, WAVE, **keywords)
     for arguments in ((WAVE, 2), (WAVE[:40], 23), (bent(WAVE, 3, np.nan), 23)):
