@@ -94,9 +94,9 @@ def sidebands(
 def sideband_energy_ratio(amplitudes: Array, mesh: Array) -> Array:
     """Sum of a mesh line's sidebands over the mesh line itself.
 
-    SER_k = sum_s (A_{k,-s} + A_{k,+s}) / A_k, of amplitudes in spite of its name: m for a mesh line that is amplitude
-    modulated by 1 + m cos. Source: Hanna, Hatch, Kalb, Weiss and Luo, "Detection of wind turbine gear tooth defects
-    using sideband energy ratio" (China Wind Power, 2011), six sidebands on either side; from memory.
+    SER_k = sum_s (A_{k,-s} + A_{k,+s}) / A_k, of amplitudes, as is usual in spite of the name: m for a mesh line that
+    is amplitude modulated by 1 + m cos. Source: Hanna, Hatch, Kalb, Weiss and Luo, "Detection of wind turbine gear
+    tooth defects using sideband energy ratio" (China Wind Power, 2011), six sidebands on either side; from memory.
 
     Args:
         amplitudes: (harmonics, sidebands, 2) of one gear.
@@ -119,10 +119,12 @@ def sideband_energy_ratio(amplitudes: Array, mesh: Array) -> Array:
 
 
 def _alone(teeth: tuple[int, int], count: int, apart: float) -> npt.NDArray[np.bool_]:
-    """Sidebands of the first gear that keep a distance from all of the second, those of the next line included."""
+    """Sidebands of the first gear that keep a distance from all of the second.
+
+    Since s is at most half of z, those of the next mesh line are never nearer than those of the same one.
+    """
     s = np.arange(1, count + 1)
-    others = np.concatenate([s, -s]) / teeth[1]
-    distance = np.abs((s[:, None] / teeth[0] - others + 0.5) % 1.0 - 0.5)
+    distance = np.abs(s[:, None] / teeth[0] - s / teeth[1])
     return np.asarray(distance.min(axis=1) >= apart)
 
 

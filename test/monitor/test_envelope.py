@@ -108,6 +108,18 @@ def test_a_line_beyond_the_spectrum_is_left_out():
     ]
 
 
+def test_prominence_is_over_the_noise_around():
+    amplitude = np.full(4000, 9.0)
+    amplitude[960 - 60 : 960 + 60] = 2.0  # order 24 stands at bin 960
+    amplitude[965] = 40.0
+    lines = bearing_lines(
+        OrderSpectrum(np.arange(4000) / 40, amplitude, 40), from_cage(60, 0.4), harmonics=1, slip=0.01
+    )
+    (outer,) = [line for line in lines if line.part == "outer"]
+    assert (outer.expected, outer.order, outer.amplitude) == (24.0, 965 / 40, 40.0)
+    assert outer.prominence == pytest.approx(20.0)
+
+
 T, PHASE = turning(1.0)
 GOOD = np.random.default_rng(0).standard_normal(T.size)
 

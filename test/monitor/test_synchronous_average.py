@@ -85,6 +85,25 @@ def test_the_average_comes_apart_by_orders():
     assert mesh_amplitudes(sum(one.values()), TEETH, 3) == pytest.approx([4.0, 0.0, 0.0], abs=1e-12)
 
 
+def test_what_counts_as_regular_can_be_chosen():
+    theta = TURN * np.arange(512) / 512
+    first, third = np.cos(theta), np.cos((TEETH + 3) * theta)
+    mesh = np.cos(TEETH * theta)
+    parts = separate(first + third + mesh, TEETH, shaft_harmonics=0, sidebands=3)
+    np.testing.assert_allclose(parts.difference, first, atol=1e-12)
+    np.testing.assert_allclose(parts.residual, first + third, atol=1e-12)
+
+
+def test_points_are_no_coarser_than_the_samples_of_the_slowest_turn():
+    phase = chirped()
+    slowest = TURN / np.diff(phase).min()
+    points = whole_turns(phase, np.cos(phase)).per_turn
+    assert slowest <= points < 2 * slowest
+    assert points == 1024
+    phase = chirped(turns=56.0, spread=0.8)  # 357 samples in a mean turn, 595 in the slowest
+    assert whole_turns(phase, np.cos(phase)).per_turn == 1024
+
+
 GOOD = TURN * np.arange(1000) / 50
 WAVE = np.cos(GOOD)
 
