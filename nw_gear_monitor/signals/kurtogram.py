@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import expit
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
@@ -16,6 +17,8 @@ from nw_gear_monitor.signals.spectrum import hann
 LEAST_SEGMENTS = 8
 LEAST_VALUES = 128
 """Independent values of an envelope that its kurtosis is taken from."""
+TAPER = 0.125
+"""Share of a record, at either end, that the kurtogram fades in and out and doesn't look at."""
 LEAST_ENERGY = 1e-20
 """A band with a smaller share of the energy is rounding and left out."""
 
@@ -78,10 +81,10 @@ def kurtogram(x: Array, rate: float, levels: int | None = None) -> tuple[Band, .
     """Kurtosis of the envelope in halves, thirds, quarters, sixths, .. of the frequency range.
 
     Level k cuts 0 to rate/2 into 2^k bands, and between two of these levels into 3 * 2^(k-1). A band's complex envelope
-    is the inverse transform of its bins, so that bands have sharp edges and N bins give N values. The grid is that of
-    Antoni, "Fast computation of the kurtogram for the detection of transient faults", Mech. Syst. Signal Process. 21
-    (2007) 108-124; there short filters take the place of the transform. Take steady lines out first (a band with a mesh
-    line reads low).
+    is the inverse transform of its bins, so that bands have sharp edges; its middle three quarters are used. The grid
+    is that of Antoni, "Fast computation of the kurtogram for the detection of transient faults", Mech. Syst. Signal
+    Process. 21 (2007) 108-124; there short filters take the place of the transform. Take steady lines out first (a band
+    with a mesh line reads low).
 
     Args:
         x: (samples,) any unit; its mean is taken out.
@@ -96,8 +99,9 @@ def kurtogram(x: Array, rate: float, levels: int | None = None) -> tuple[Band, .
     """
     rate = checked.positive("rate", rate)
     x = _scaled(checked.signal("x", x, 8 * LEAST_VALUES))
-    spectrum = np.fft.rfft(x)
-    finest = int(np.log2((spectrum.size - 1) / LEAST_VALUES))
+    # Without it the jump from the end of the record to its beginning is an impulse in every band that is quiet.
+    spectrum = np.fft.rfft(x * _taper(x.size))
+    finest = int(np.log2((1.0 - 2.0 * TAPER) * (spectrum.size - 1) / LEAST_VALUES))
     depth = min(finest, 8) if levels is None else checked.whole("levels", levels, 1)
     if depth > finest:
         raise InputError("levels", f"at most {finest} for {x.size} samples", str(levels))
@@ -127,6 +131,16 @@ def _scaled(x: Array) -> Array:
     return deviation / float(np.max(np.abs(deviation)))
 
 
+def _taper(size: int) -> Array:
+    """1 in the middle, and towards both ends a fall to 0 that has all derivatives (Planck taper)."""
+    u = np.clip((np.arange(size) + 0.5) / (TAPER * size), 0.0, 1.0)
+    rise = np.ones(size)
+    inside = u < 1.0
+    rise[inside] = expit(1.0 / (1.0 - u[inside]) - 1.0 / u[inside])
+    taper: Array = rise * rise[::-1]
+    return taper
+
+
 def _cells(spectrum: npt.NDArray[np.complex128], number: int, step: float, total: float) -> list[Band]:
     """The bands of one level; `step` is the distance of two bins, Hz."""
     edges = np.rint(np.linspace(0, spectrum.size - 1, number + 1)).astype(int)
@@ -135,7 +149,8 @@ def _cells(spectrum: npt.NDArray[np.complex128], number: int, step: float, total
         bins = spectrum[low:high]
         if float(np.sum(np.abs(bins) ** 2)) <= LEAST_ENERGY * total:
             continue
-        power = np.abs(np.fft.ifft(bins)) ** 2
+        cut = int(np.ceil(TAPER * bins.size))
+        power = np.abs(np.fft.ifft(bins)[cut : bins.size - cut]) ** 2
         power /= power.mean()
-        cells.append(Band(float(low * step), float(high * step), float(np.mean(power**2)) - 2.0, int(high - low)))
+        cells.append(Band(float(low * step), float(high * step), float(np.mean(power**2)) - 2.0, power.size))
     return cells

@@ -55,6 +55,14 @@ def test_noise_scores_chance_only():
     assert np.std([band.score for band in bands]) == pytest.approx(1.0, abs=0.25)
 
 
+def test_tones_that_dont_fit_the_record_leave_no_impulse_at_its_ends():
+    tones = np.cos(2 * np.pi * 501.3 * TIME + 1.0) + np.cos(2 * np.pi * 20.17 * TIME) + 3.0 * TIME
+    bands = kurtogram(tones + 1e-6 * NOISE, RATE)
+    quiet = [band for band in bands if band.low > 1000.0]
+    assert max(band.score for band in quiet) < 6.0
+    assert np.mean([band.kurtosis for band in quiet]) == pytest.approx(0.0, abs=0.03)
+
+
 def test_the_bands_of_each_level_tile_the_range():
     bands = kurtogram(NOISE[:8192], RATE, levels=3)
     levels = {}
