@@ -10,7 +10,7 @@ from nw_gear_common.tables import Array
 from nw_gear_sim.compiled import kernel
 from nw_gear_sim.integrator import rk4
 from nw_gear_sim.model import Instants, Interval, Laws, Work, accelerate, set_instant
-from nw_gear_sim.physics.mesh import Indices
+from nw_gear_sim.physics.mesh import Contact, Indices
 
 
 class Course(NamedTuple):
@@ -97,14 +97,20 @@ def count_contacts(backlash: Array, x: Array, opened: Array, back: Array) -> Non
 
 
 @kernel
-def _record(sample: int, lever: float, probes: Indices, q: Array, v: Array, work: Work, course: Course) -> None:
-    for mesh in range(len(work.contact.x)):
-        course.x[sample, mesh] = work.contact.x[mesh]
-        course.rate[sample, mesh] = work.contact.rate[mesh]
-        course.force[sample, mesh] = work.contact.force[mesh]
-    for b in range(len(work.housing)):
+def record_forces(sample: int, contact: Contact, housing: Array, course: Course) -> None:
+    """Record what the meshes do and the forces on the housings."""
+    for mesh in range(len(contact.x)):
+        course.x[sample, mesh] = contact.x[mesh]
+        course.rate[sample, mesh] = contact.rate[mesh]
+        course.force[sample, mesh] = contact.force[mesh]
+    for b in range(len(housing)):
         for axis in range(3):
-            course.housing[sample, b, axis] = work.housing[b, axis]
+            course.housing[sample, b, axis] = housing[b, axis]
+
+
+@kernel
+def _record(sample: int, lever: float, probes: Indices, q: Array, v: Array, work: Work, course: Course) -> None:
+    record_forces(sample, work.contact, work.housing, course)
     segments = work.padded.shape[1] - 2
     _twist(segments, lever, probes, q, course.twist[sample])
     _twist(segments, lever, probes, v, course.twist_rate[sample])

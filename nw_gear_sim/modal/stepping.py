@@ -17,7 +17,7 @@ from nw_gear_sim.modal.forces import (
 from nw_gear_sim.modal.laws import ModalLaws
 from nw_gear_sim.model import Interval
 from nw_gear_sim.physics.mesh import Indices
-from nw_gear_sim.stepping import Course, count_contacts
+from nw_gear_sim.stepping import Course, count_contacts, record_forces
 
 
 @summing
@@ -135,13 +135,7 @@ def _copy(source: Array, target: Array) -> None:
 
 @kernel
 def _record(sample: int, turn: Array, probes: Indices, x: Array, v: Array, work: ModalWork, course: Course) -> None:
-    for mesh in range(len(work.contact.x)):
-        course.x[sample, mesh] = work.contact.x[mesh]
-        course.rate[sample, mesh] = work.contact.rate[mesh]
-        course.force[sample, mesh] = work.contact.force[mesh]
-    for b in range(len(work.housing)):
-        for axis in range(3):
-            course.housing[sample, b, axis] = work.housing[b, axis]
+    record_forces(sample, work.contact, work.housing, course)
     _twist(turn, probes, x, course.twist[sample])
     _twist(turn, probes, v, course.twist_rate[sample])
 
