@@ -20,6 +20,8 @@ Indices = npt.NDArray[np.intp]
 RIDGES = (1e-10, 1e-7, 1e-4)
 """Added to the diagonal of the scaled matrix, the first that makes it solvable: harmless next to any noise."""
 NYQUIST_SHARE = 0.45
+GONE = 1e-9
+"""Mean square of a column below which it lies in the trend (a line below 5 Hz): what is left of it is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +82,8 @@ def fit(seconds: list[NormalSecond], comb: Comb, rate: float) -> LineFit:
     energy = np.sum([second.energy for second in seconds], axis=0)
     samples = sum(second.samples for second in seconds)
     wanted, groups = _columns(comb, kept, curves.functions)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    size = np.diag(gram)
+    scale = np.where(size > GONE * samples, 1.0 / np.sqrt(np.maximum(size, GONE)), 0.0)
     gram, moment = gram * scale[:, None] * scale, moment * scale[:, None]
     factor = _factor(gram[np.ix_(wanted, wanted)])
     solution = cho_solve(factor, moment[wanted])

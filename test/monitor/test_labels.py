@@ -197,3 +197,16 @@ def test_a_label_changes_after_three_windows_in_a_row_only():
         persistence.add(State(word, "")).label for word in ["a", "a", "a", "b", "a", "b", "b", "b", "c", "d", "c", "d"]
     ]
     assert shown == [names.UNKNOWN] * 2 + ["a"] * 5 + ["b"] * 3 + [names.UNKNOWN] * 2
+
+
+def test_a_gearbox_that_comes_to_rest_is_transient_or_unknown():
+    """Its lines end up so slow that nothing but rounding of them is left beside the trend."""
+
+    def falling(time):
+        return np.maximum(0.57 - 0.035 * time, 0.02)
+
+    hops, _ = run(waveform(17.0, speed=falling, noise=0.01, extra={"II": chaos}))
+    seen = {label for hop in hops[9:] for label in labels(hop).values()}
+    assert seen <= {names.TRANSIENT, names.UNKNOWN, "period-1"}
+    assert names.TRANSIENT in seen
+    assert np.isfinite([report.evidence.rho for report in hops[-1].stages.values()]).all()
