@@ -79,6 +79,7 @@ def test_the_same_seed_gives_the_same_waveform_bit_for_bit():
             ):
                 probe.wait_until(lambda: sim.code is not None, wind, limit=COMPILING)
                 assert sim.code == 0, sim.report()
+                probe.wait_until(lambda: len(blocks) >= 40)  # the reader lags behind the process
             return [bytes(m.data) for m in blocks]
 
     first, second = record(), record()
@@ -111,20 +112,18 @@ def test_a_diverged_integration_ends_with_time_state_and_step_and_publishes_no_n
     """A file whose torque rises to a million times the rated one tears the gearbox apart in numbers."""
     file = tmp_path / "apart.csv"
     file.write_text("time (s),speed (rad/s),torque (N m)\n0,1.8,4e6\n1,1.8,4e6\n1.01,1.8,4e12\n9,1.8,4e12\n")
-    drive = [
-        f"drive_file:={file}",
-        "drive_gaps:=bridge",
-    ]
+    drive = [f"drive_file:={file}", "drive_gaps:=bridge"]
     with Probe() as probe:
         blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
         with running("gear_sim_node", ["real_time_factor:=0.0", "wait_for:=1", *drive]) as sim:
             probe.wait_until(lambda: sim.code is not None, sim, limit=COMPILING)
             assert sim.code == 1
+            probe.wait_until(lambda: len(blocks) >= 20)  # those before the torque rose
             message = sim.stderr.strip().splitlines()[-1]
     assert re.match(r"gear_sim_node: integration diverged at 1\.\d+ s \(step \d+\): \S+.* is \S+ m", message), message
     data = waveform(blocks)
     assert np.isfinite(data).all()
-    assert len(data) == 20 * 256  # the blocks before the torque rose
+    assert len(data) == 20 * 256
 
 
 def test_pause_stops_time_and_reset_starts_again():
