@@ -6,6 +6,7 @@ run is continued with the same gearbox only.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import zipfile
@@ -44,7 +45,8 @@ def write_checkpoint(path: Path, configuration: str, values: Mapping[str, Any]) 
             os.fsync(file.fileno())
         part.replace(path)
     except OSError as error:
-        part.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
         raise InputError(str(path), "a file that can be written", error.strerror or str(error)) from error
 
 

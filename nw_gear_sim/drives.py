@@ -1,4 +1,4 @@
-"""What drives the gearbox: the wind, a fixed operating point, a series from a file, somebody else's topic, a load case.
+"""What drives the gearbox: the wind, a fixed operating point, a series from a file, somebody else's topic.
 
 A source is asked for the drive of one interval after the other. What it needs from outside (the wind, or speed and
 torque) comes in as numbers at the end of the interval; no clock, no ROS.
@@ -6,21 +6,24 @@ torque) comes in as numbers at the end of the interval; no clock, no ROS.
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Mapping
 from typing import Protocol
+
+import numpy as np
 
 from nw_gear_common.errors import InputError
 from nw_gear_sim.drivefile import DriveSeries
 from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
-from nw_gear_sim.physics.drivetrain import DriveTrain
 from nw_gear_sim.physics.rotor import Rotor
 
 WIND, SPEED, TORQUE = "wind", "speed", "torque"
 """Inputs from outside: wind speed (m/s), speed (rad/s) and torque (N m) of the ring."""
 
+DRIVE = "drive"
 Inputs = Mapping[str, float]
 State = dict[str, float | str]
 
@@ -30,12 +33,14 @@ class Source(Protocol):
 
     Attributes:
         needs: the inputs that have to be known; description: in words; remarks: what people should know about it.
+        longest: longest interval (s) over which it may be taken for linear; inputs are known at the ends of ticks only.
         drive: of the last interval.
     """
 
     needs: tuple[str, ...]
     description: str
     remarks: tuple[str, ...]
+    longest: float
     drive: Drive
 
     def begin(self, inputs: Inputs) -> Drive:
@@ -47,6 +52,9 @@ class Source(Protocol):
     def over(self) -> bool:
         """Whether the source has come to its end."""
 
+    def phase(self) -> str:
+        """Return what it is at, in a word; "" where there is nothing to tell."""
+
     def events(self) -> dict[str, float]:
         """Return what has happened, with its time (s)."""
 
@@ -54,45 +62,60 @@ class Source(Protocol):
         """Return all that the future depends on."""
 
     def restore(self, state: Mapping[str, float | str]) -> None:
-        """Take over what `state` returned, in the place of `begin`."""
+        """Take over what `state` returned, in the place of `begin`.
+
+        Raises:
+            InputError: it is of something else.
+        """
 
 
-class _Plain:
-    """What most sources have in common."""
+class Plain:
+    """What most sources have in common. `identity`: what a checkpoint has to share, by its name."""
 
+    kind = ""
     needs: tuple[str, ...] = ()
     description = ""
     remarks: tuple[str, ...] = ()
+    longest = math.inf
 
     def __init__(self) -> None:
+        self.identity: dict[str, str] = {DRIVE: self.kind}
         self.drive = Drive(0.0, 0.0, 0.0, 0.0)
 
     def over(self) -> bool:
         """Never."""
         return False
 
+    def phase(self) -> str:
+        """Nothing to tell."""
+        return ""
+
     def events(self) -> dict[str, float]:
         """Nothing happens."""
         return {}
 
     def state(self) -> State:
-        """Return speed and torque."""
-        return {SPEED: self.drive.speed_end, TORQUE: self.drive.torque_end}
+        """Return speed and torque, and what they come from."""
+        return {**self.identity, SPEED: self.drive.speed_end, TORQUE: self.drive.torque_end}
 
     def restore(self, state: Mapping[str, float | str]) -> None:
         """Take over speed and torque."""
-        self.drive = _steady(float(state[SPEED]), float(state[TORQUE]))
+        for name, here in self.identity.items():
+            if state.get(name) != here:
+                raise InputError(f"checkpoint: {name}", here, str(state.get(name, "nothing")))
+        self.drive = steady(float(state[SPEED]), float(state[TORQUE]))
 
 
-class FixedPoint(_Plain):
+class FixedPoint(Plain):
     """The operating point of the configuration."""
 
     description = "at a fixed operating point"
+    kind = "fixed"
 
     def __init__(self, configuration: Configuration) -> None:
         super().__init__()
         fixed = derive(configuration)
-        self._drive = _steady(fixed.ring_speed, fixed.input_torque)
+        self._drive = steady(fixed.ring_speed, fixed.input_torque)
 
     def begin(self, inputs: Inputs) -> Drive:
         """Return the operating point."""
@@ -104,11 +127,12 @@ class FixedPoint(_Plain):
         return self.drive
 
 
-class WindDriven(_Plain):
+class WindDriven(Plain):
     """The rotor in the wind."""
 
     needs: tuple[str, ...] = (WIND,)
     description = "driven by the wind"
+    kind = "wind"
 
     def __init__(self, configuration: Configuration) -> None:
         super().__init__()
@@ -118,7 +142,7 @@ class WindDriven(_Plain):
     def begin(self, inputs: Inputs) -> Drive:
         """Start in the steady state of the wind."""
         self._rotor = Rotor(self._turbine, inputs[WIND])
-        self.drive = _steady(self._rotor.speed, self._rotor.torque)
+        self.drive = steady(self._rotor.speed, self._rotor.torque)
         return self.drive
 
     def advance(self, inputs: Inputs, duration: float) -> Drive:
@@ -132,15 +156,16 @@ class WindDriven(_Plain):
         self._rotor.restore(self.drive.speed_end, self.drive.torque_end)
 
 
-class Followed(_Plain):
+class Followed(Plain):
     """Speed and torque as somebody else says."""
 
     needs: tuple[str, ...] = (SPEED, TORQUE)
     description = "driven by a topic"
+    kind = "topic"
 
     def begin(self, inputs: Inputs) -> Drive:
         """Start at the speed and torque given."""
-        self.drive = _steady(inputs[SPEED], inputs[TORQUE])
+        self.drive = steady(inputs[SPEED], inputs[TORQUE])
         return self.drive
 
     def advance(self, inputs: Inputs, duration: float) -> Drive:
@@ -149,7 +174,7 @@ class Followed(_Plain):
         return self.drive
 
 
-class Recorded(_Plain):
+class Recorded(Plain):
     """Speed and torque from a file.
 
     Args:
@@ -157,17 +182,22 @@ class Recorded(_Plain):
         hold: go on with the last values after its end.
     """
 
+    kind = "file"
+
     def __init__(self, series: DriveSeries, *, hold: bool) -> None:
         super().__init__()
         self.description = f"driven by {series.source}"
         self.remarks = tuple(f"bridged a gap of {gap.seconds:g} s from {gap.label}" for gap in series.gaps)
+        self.longest = float(np.median(np.diff(series.times)))
+        values = b"".join(array.tobytes() for array in (series.times, series.speed, series.torque))
+        self.identity["drive_file (SHA-256)"] = hashlib.sha256(values).hexdigest()
         self._series, self._hold = series, hold
         self._time = 0.0
 
     def begin(self, inputs: Inputs) -> Drive:
         """Start at the beginning of the file."""
         self._time = 0.0
-        self.drive = _steady(*self._series.at(0.0))
+        self.drive = steady(*self._series.at(0.0))
         return self.drive
 
     def advance(self, inputs: Inputs, duration: float) -> Drive:
@@ -191,60 +221,6 @@ class Recorded(_Plain):
         self._time = float(state["time"])
 
 
-class LoadCase(_Plain):
-    """A load case of the drive-train, in the wind or in the steady wind of the fixed operating point.
-
-    Args:
-        configuration: turbine, drive-train and operating point.
-        scenario: of `drivetrain.SCENARIOS`.
-        event_time: when it happens, s.
-        windy: whether the wind comes from outside.
-    """
-
-    def __init__(self, configuration: Configuration, scenario: str, event_time: float, *, windy: bool) -> None:
-        super().__init__()
-        self.needs = (WIND,) if windy else ()
-        self.description = f"load case {scenario}"
-        self._configuration, self._scenario, self._event_time = configuration, scenario, event_time
-        self._wind = configuration.turbine.rated_wind * math.sqrt(min(1.0, configuration.operation.load))
-        self._train = self._make(self._wind)
-
-    def _make(self, wind: float) -> DriveTrain:
-        configuration = self._configuration
-        return DriveTrain(configuration.turbine, configuration.drivetrain, self._scenario, self._event_time, wind)
-
-    def begin(self, inputs: Inputs) -> Drive:
-        """Start in steady operation, or at standstill where the load case is a start."""
-        self._train = self._make(inputs.get(WIND, self._wind))
-        self.drive = self._train.drive
-        return self.drive
-
-    def advance(self, inputs: Inputs, duration: float) -> Drive:
-        """Go on with the load case."""
-        self.drive = self._train.advance(inputs.get(WIND, self._wind), duration)
-        return self.drive
-
-    def events(self) -> dict[str, float]:
-        """Return what has happened so far."""
-        return self._train.events()
-
-    def state(self) -> State:
-        """Return the state of the drive-train."""
-        train = {f"train.{name}": value for name, value in self._train.state().items()}
-        return {**super().state(), "event_time": self._event_time, **train}
-
-    def restore(self, state: Mapping[str, float | str]) -> None:
-        """Take over what `state` returned.
-
-        Raises:
-            InputError: another load case, or another time of it.
-        """
-        super().restore(state)
-        if state.get("event_time", self._event_time) != self._event_time:
-            raise InputError("checkpoint: event_time", f"{self._event_time:g} s", f"{state['event_time']} s")
-        train = {name.removeprefix("train."): value for name, value in state.items() if name.startswith("train.")}
-        self._train.restore(train)
-
-
-def _steady(speed: float, torque: float) -> Drive:
+def steady(speed: float, torque: float) -> Drive:
+    """Return a drive of constant speed (rad/s) and torque (N m)."""
     return Drive(speed, speed, torque, torque)

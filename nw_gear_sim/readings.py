@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.model import Interval
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.stepping import Course
+
+_SHARES = ("open_fraction", "back_fraction")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +44,16 @@ class Block:
     shaft_torque: Array
     open_fraction: Array
     back_fraction: Array
+
+
+def joined(blocks: Sequence[Block]) -> Block:
+    """Return blocks that follow each other as one, with the mean of their shares by length."""
+    if len(blocks) == 1:
+        return blocks[0]
+    samples = [len(block.time) for block in blocks]
+    columns = {field.name: [getattr(block, field.name) for block in blocks] for field in fields(Block)}
+    shares = {name: np.average(columns.pop(name), axis=0, weights=samples) for name in _SHARES}
+    return Block(**{name: np.concatenate(parts) for name, parts in columns.items()}, **shares)
 
 
 class Readings:

@@ -27,22 +27,20 @@ from nw_gear_sim import config
 from nw_gear_sim.checkpoints import read_checkpoint, write_checkpoint
 from nw_gear_sim.drives import SPEED, TORQUE, WIND
 from nw_gear_sim.kinematics import derive
+from nw_gear_sim.nodes.compiling import compile_with_notice
 from nw_gear_sim.nodes.inflow import Inflows
 from nw_gear_sim.nodes.inputs import make_source, ring_sample
 from nw_gear_sim.nodes.pacing import Busy, Pace
+from nw_gear_sim.nodes.progress import Progress
 from nw_gear_sim.nodes.publishing import Reports, Views, Waveform
 from nw_gear_sim.nodes.session import Session
 from nw_gear_sim.nodes.sim_settings import Settings
 from nw_gear_sim.remarks import remarks
-from nw_gear_sim.simulation import compile_kernels
 
 POLL = 0.02
 """Seconds between two looks at something that is waited for."""
 JOIN_WITHIN = 4.0
-PATIENCE = 3.0
-"""Seconds after which kernels can't have come from the cache."""
 INPUT_TOPIC = {WIND: names.WIND_SPEED, SPEED: names.DRIVE, TORQUE: names.DRIVE}
-COMPILING = "compiling kernels: this takes about a minute, and only once"
 
 
 class GearSimNode(Node):
@@ -64,7 +62,10 @@ class GearSimNode(Node):
             settings.start,
             settings.sample_rate,
         )
-        self._inflows = Inflows(self._session.source.needs, in_step=self._clocked)
+        needs = self._session.source.needs
+        self._input = INPUT_TOPIC[needs[0]] if needs else ""
+        self._inflows = Inflows(needs, in_step=self._clocked)
+        self._progress = Progress(self._input, waits=self._clocked)
         self._ticking = threading.Lock()
         self._paused = threading.Event()
         self._reset = threading.Event()
@@ -83,6 +84,8 @@ class GearSimNode(Node):
         self._origin = 0.0
         self._refused = 0
         self._resumed = False
+        self._starved = False
+        self._held: float | None = None
         self._pace = Pace(settings.real_time_factor, time.monotonic(), 0.0)
         self._busy = Busy(time.monotonic())
         self._warned = False
@@ -93,17 +96,20 @@ class GearSimNode(Node):
     # --- the executor's thread --------------------------------------------------------------------------------------
 
     def _on_wind(self, message: Vector3Stamped) -> None:
-        if math.isfinite(message.vector.x):
-            self._inflows.add(to_seconds(message.header.stamp), wind=message.vector.x)
-        else:
-            self._refused += 1
+        sample = {WIND: message.vector.x} if math.isfinite(message.vector.x) else None
+        self._take(names.WIND_SPEED, message.header.stamp, sample)
 
     def _on_drive(self, message: JointState) -> None:
         sample = ring_sample(message.name, message.velocity, message.effort)
+        self._take(names.DRIVE, message.header.stamp, sample)
+
+    def _take(self, topic: str, stamp: object, sample: dict[str, float] | None) -> None:
         if sample is None:
             self._refused += 1
-        else:
-            self._inflows.add(to_seconds(message.header.stamp), speed=sample[0], torque=sample[1])
+            return
+        self._inflows.add(to_seconds(stamp), **sample)
+        if topic == self._input:
+            self._progress.heard(time.monotonic())
 
     def _on_checkpoint(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         path = self._settings.checkpoint
@@ -113,7 +119,7 @@ class GearSimNode(Node):
             with self._ticking:  # between two ticks
                 if not self._session.begun:
                     raise InputError("checkpoint", "a run that has begun", "none yet")
-                values = {**self._session.checkpoint(), **self._waveform.pending()}
+                values = {**self._session.checkpoint(), **self._waveform.pending(self._origin)}
             write_checkpoint(Path(path), self._resolved, values)
             response.success, response.message = True, path
         except InputError as error:
@@ -141,7 +147,8 @@ class GearSimNode(Node):
 
     def _work(self) -> None:
         try:
-            self._compile()
+            self._report(OK, "compiling")
+            compile_with_notice(self._configuration.numerics.integrator, self.get_logger().info)
             while not self._stop and self._run_epoch():
                 self.get_logger().info("reset: a new epoch begins")
             if not self._stop and not self._waveform.flush():
@@ -153,17 +160,6 @@ class GearSimNode(Node):
         except Exception as error:  # a thread that dies in silence would leave a node that does nothing
             self._stop(NwGearError(f"{type(error).__name__}: {error}"))
             raise
-
-    def _compile(self) -> None:
-        """Load the kernels; where they have to be compiled first say so, because nothing else happens meanwhile."""
-        self._report(OK, "compiling")
-        notice = threading.Timer(PATIENCE, self.get_logger().info, [COMPILING])
-        notice.daemon = True
-        notice.start()
-        try:
-            compile_kernels(self._configuration.numerics.integrator)
-        finally:
-            notice.cancel()
 
     def _run_epoch(self) -> bool:
         """Run from the initial state until a reset (True) or the end (False)."""
@@ -179,6 +175,8 @@ class GearSimNode(Node):
             self._origin = 0.0 if self._clocked else self._wall_time()
             self._session.begin(self._inflows.at(self._origin))
         self._origin = 0.0 if self._clocked else self._wall_time() - began  # finding the equilibrium took time
+        self._waveform.move(self._origin)
+        self._held = None
         self._pace, self._busy = Pace(self._settings.real_time_factor, time.monotonic(), began), Busy(time.monotonic())
         self.get_logger().info(f"integrating {self._session.description}")
         limit = self._settings.duration
@@ -209,7 +207,7 @@ class GearSimNode(Node):
             if subscribers < self._settings.wait_for:
                 missing.append(f"{self._settings.wait_for} subscribers of {names.WAVEFORM} (now {subscribers})")
             if not self._inflows.ready(moment):
-                missing.append(f"a first message on {INPUT_TOPIC[self._session.source.needs[0]]}")
+                missing.append(f"a first message on {self._input}")
             if not missing:
                 return True
             if time.monotonic() >= self._next_report:
@@ -218,20 +216,29 @@ class GearSimNode(Node):
             self._stop.event.wait(POLL)
         return False
 
+    def _on_hold(self) -> bool:
+        """Whether the run is paused; then wait a little. Time goes on from where it was left."""
+        now = time.monotonic()
+        if self._paused.is_set():
+            self._held = now if self._held is None else self._held
+            self._stop.event.wait(POLL)
+            return True
+        if self._held is not None:
+            self._origin += 0.0 if self._clocked else now - self._held
+            self._pace = Pace(self._settings.real_time_factor, now, self._session.time)
+            self._held = None
+        return False
+
     def _may_advance(self) -> bool:
         """Whether the next tick is due, and wait a little where it isn't."""
-        if self._paused.is_set():
-            began = time.monotonic()
-            while self._paused.is_set() and not self._stop and not self._reset.is_set():
-                self._stop.event.wait(POLL)
-            self._origin += 0.0 if self._clocked else time.monotonic() - began
-            self._pace = Pace(self._settings.real_time_factor, time.monotonic(), self._session.time)
+        if self._on_hold():
             return False
         wait = self._pace.wait(time.monotonic(), self._session.time + self._session.tick)
         if wait > 0.0:
             self._stop.event.wait(min(wait, POLL))
             return wait <= POLL
-        if not self._inflows.cover(self._session.time, self._session.time + self._session.tick):
+        self._starved = not self._inflows.cover(self._session.time, self._session.time + self._session.tick)
+        if self._starved:
             self._reports.clock(self._session.time)
             self._stop.event.wait(POLL / 10)
             return False
@@ -256,18 +263,14 @@ class GearSimNode(Node):
 
     def _report_progress(self) -> None:
         moment, simulated = time.monotonic(), self._session.time
-        slow = self._pace.too_slow(moment, simulated)
-        reached = self._pace.reached()
-        if slow:
-            wanted = self._settings.real_time_factor
-            message = f"can't keep pace: {reached:.2f} times real time reached, {wanted:g} wanted"
-        else:
-            message = "paused" if self._paused.is_set() else "integrating"
-        if slow and not self._warned:
+        wrong, message = self._progress.report(
+            self._pace, moment, simulated, paused=self._paused.is_set(), starved=self._starved
+        )
+        if wrong and not self._warned:
             self.get_logger().warning(message)
-        self._warned = slow
+        self._warned = wrong
         values = {
-            "real_time_factor reached (1)": f"{reached:.4g}",
+            "real_time_factor reached (1)": f"{self._pace.reached():.4g}",
             "real_time_factor wanted (1)": f"{self._settings.real_time_factor:g}",
             "lag (s)": f"{max(0.0, self._pace.lag(moment, simulated)):.3f}",
             "simulated (s)": f"{simulated:.3f}",
@@ -275,7 +278,7 @@ class GearSimNode(Node):
             **self._session.values(),
             **({"input samples refused (1)": str(self._refused)} if self._refused else {}),
         }
-        self._report(WARN if slow or self._refused else OK, message, values)
+        self._report(WARN if wrong or self._refused else OK, message, values)
         self._reports.truth("no fault injected", self._session.truth())
 
     def _report(self, level: bytes, message: str, values: dict[str, str] | None = None) -> None:

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 from nw_gear_common.errors import InputError
 from nw_gear_sim.drivefile import parse_columns, read_drive_file
-from nw_gear_sim.drives import FixedPoint, Followed, LoadCase, Recorded, Source, WindDriven
+from nw_gear_sim.drives import SPEED, TORQUE, FixedPoint, Followed, Recorded, Source, WindDriven
+from nw_gear_sim.loadcase import LoadCase
 from nw_gear_sim.nodes.sim_settings import Settings
 from nw_gear_sim.params import Configuration
 
@@ -41,7 +42,7 @@ def make_source(settings: Settings, configuration: Configuration) -> Source:
     return Recorded(series, hold=settings.drive_end == "hold")
 
 
-def ring_sample(names: Sequence[str], velocity: Sequence[float], effort: Sequence[float]) -> tuple[float, float] | None:
+def ring_sample(names: Sequence[str], velocity: Sequence[float], effort: Sequence[float]) -> dict[str, float] | None:
     """Return speed (rad/s) and torque (N m) of the ring in a message, None where there is nothing to go by."""
     if RING not in names:
         return None
@@ -49,4 +50,5 @@ def ring_sample(names: Sequence[str], velocity: Sequence[float], effort: Sequenc
     if k >= len(velocity) or k >= len(effort):
         return None
     speed, torque = float(velocity[k]), float(effort[k])
-    return (speed, torque) if math.isfinite(speed) and math.isfinite(torque) and speed >= 0.0 else None
+    sample = {SPEED: speed, TORQUE: torque}
+    return sample if math.isfinite(speed) and math.isfinite(torque) and speed >= 0.0 else None

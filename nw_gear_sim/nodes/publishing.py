@@ -50,18 +50,31 @@ class Waveform:
             self._publisher.publish(to_message(Table(names.ROW_SAMPLE, self._columns, self._data)))
             self._filled = 0
 
-    def pending(self) -> dict[str, Array]:
-        """Return the samples that wait for their block to be full, with times since the start of the run."""
-        return {"waveform.pending": self._data[: self._filled].copy()}
+    def pending(self, start: float) -> dict[str, Any]:
+        """Return the samples that wait for their block to be full, with times since the run's start (s of ROS time)."""
+        rows = self._data[: self._filled].copy()
+        rows[:, 0] -= start
+        return {"waveform.columns": ",".join(self._columns), "waveform.pending": rows}
 
     def restore(self, values: Mapping[str, Any]) -> None:
-        """Take over what `pending` returned."""
-        rows = np.asarray(values["waveform.pending"])
+        """Take over what `pending` returned, its times still those since the run's start.
+
+        Raises:
+            InputError: it is of a waveform with other columns or longer blocks.
+        """
+        columns = ",".join(self._columns)
+        if values.get("waveform.columns") != columns:
+            raise InputError("checkpoint: waveform.columns", columns, str(values.get("waveform.columns", "nothing")))
+        rows = np.asarray(values.get("waveform.pending"))
         if rows.ndim != 2 or rows.shape[1] != len(self._columns) or len(rows) >= len(self._data):
             expected = f"less than {len(self._data)} rows of {len(self._columns)} columns"
             raise InputError("checkpoint: waveform.pending", expected, f"shape {rows.shape}")
         self._filled = len(rows)
         self._data[: self._filled] = rows
+
+    def move(self, seconds: float) -> None:
+        """Make the times of the samples that wait later."""
+        self._data[: self._filled, 0] += seconds
 
     def drop(self) -> None:
         """Forget samples that were not published (reset)."""

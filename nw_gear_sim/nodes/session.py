@@ -12,7 +12,7 @@ from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_sim.drives import Inputs, Source
 from nw_gear_sim.params import Configuration
-from nw_gear_sim.readings import Block
+from nw_gear_sim.readings import Block, joined
 from nw_gear_sim.simulation import Simulation, steps_per_sample
 
 LONGEST_TICK = 0.0126
@@ -47,8 +47,10 @@ class Session:
         self.rows = int(rows)
         longest = LONGEST_TICK * sample_rate
         divisors = [d for d in range(1, self.rows + 1) if self.rows % d == 0 and self.rows / d <= longest]
-        self._samples = self.rows // divisors[0] if divisors else 1
-        self.tick = self._samples / sample_rate
+        every = self.rows // divisors[0] if divisors else 1
+        self.tick = every / sample_rate
+        parts = min(every, max(1, math.ceil(self.tick / source.longest - 1e-9)))
+        self._pieces = [every * (k + 1) // parts - every * k // parts for k in range(parts)]
         self.source = source
         self._configuration = configuration
         self._excitation, self._start, self._sample_rate = excitation, start, sample_rate
@@ -101,26 +103,34 @@ class Session:
         """Go on from what `checkpoint` returned, in the place of `begin`.
 
         Raises:
-            InputError: the checkpoint is of another kind of run.
+            InputError: the checkpoint is of another kind of run, or incomplete.
         """
 
         def part(prefix: str) -> dict[str, Any]:
             return {name.removeprefix(prefix): v for name, v in checkpoint.items() if name.startswith(prefix)}
 
-        self._simulation = Simulation.resume(
-            self._configuration, part(_SIMULATION), excitation=self._excitation, sample_rate=self._sample_rate
-        )
         try:
             self.source.restore(part(_SOURCE))
-        except KeyError as error:
-            raise InputError("checkpoint", f"a run {self.source.description}", f"nothing about its {error}") from error
+            self._simulation = Simulation.resume(
+                self._configuration, part(_SIMULATION), excitation=self._excitation, sample_rate=self._sample_rate
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            got = f"one without a usable {error}" if isinstance(error, KeyError) else str(error)
+            raise InputError("checkpoint", f"that of a run {self.source.description}", got) from error
         self._forget_second()
 
     def advance(self, inputs: Inputs) -> Block:
-        """Integrate one tick, at whose end the inputs are as given, and return its samples."""
+        """Integrate one tick, at whose end the inputs are as given, and return its samples.
+
+        A source that changes faster is asked several times within the tick, each time for whole samples.
+        """
         assert self._simulation is not None, "begin comes first"
         self._inputs = inputs
-        block = self._simulation.advance(self._samples, self.source.advance(inputs, self.tick))
+        blocks = []
+        for samples in self._pieces:
+            drive = self.source.advance(inputs, samples / self._sample_rate)
+            blocks.append(self._simulation.advance(samples, drive))
+        block = joined(blocks)
         self._open += block.open_fraction
         self._back += block.back_fraction
         self._ticks += 1
@@ -133,6 +143,8 @@ class Session:
             "ring speed (r/min)": f"{drive.speed_end * 30 / math.pi:.4f}",
             "input torque (N m)": f"{drive.torque_end:.6g}",
         }
+        if self.source.phase():
+            values["load case"] = self.source.phase()
         wind = self._inputs.get("wind")
         return values if wind is None else {"wind speed (m/s)": f"{wind:.3f}", **values}
 

@@ -9,6 +9,7 @@ import pytest
 from nw_gear_common.errors import InputError
 from nw_gear_sim import config
 from nw_gear_sim.checkpoints import read_checkpoint, write_checkpoint
+from nw_gear_sim.drivefile import DriveSeries
 from nw_gear_sim.drives import FixedPoint, Followed, Recorded, Source, WindDriven
 from nw_gear_sim.loadcase import LoadCase
 from nw_gear_sim.nodes.session import Session
@@ -89,9 +90,57 @@ def test_a_session_goes_on_bit_for_bit(tmp_path: Path, case: str) -> None:
     assert second.source.events() == first.source.events()
 
 
+def session(source: Source) -> Session:
+    return Session(BASE, source, "kinematic", "equilibrium", 5120.0)
+
+
+def series(torque: float) -> DriveSeries:
+    return DriveSeries(np.array([0.0, 9.0]), np.array([1.8, 1.8]), np.array([torque, torque]), "a file")
+
+
 def test_a_checkpoint_of_another_drive_is_refused() -> None:
-    windy = Session(BASE, WindDriven(BASE), "kinematic", "equilibrium", 5120.0)
-    windy.begin({"wind": 11.0})
-    case = Session(BASE, LoadCase(BASE, "grid_loss", 1.0, windy=True), "kinematic", "equilibrium", 5120.0)
-    with pytest.raises(InputError, match="drive-train: scenario: expected grid_loss"):
-        case.resume(windy.checkpoint())
+    sources: dict[str, Source] = {
+        "wind": WindDriven(BASE),
+        "topic": Followed(),
+        "fixed": FixedPoint(BASE),
+        "grid_loss": LoadCase(BASE, "grid_loss", 1.0, windy=True),
+        "later": LoadCase(BASE, "grid_loss", 2.0, windy=True),
+        "steady": LoadCase(BASE, "grid_loss", 1.0, windy=False),
+        "shutdown": LoadCase(BASE, "shutdown", 1.0, windy=True),
+        "file": Recorded(series(4e6), hold=True),
+        "other file": Recorded(series(4.1e6), hold=True),
+    }
+    for name, source in sources.items():
+        first = session(source)
+        first.begin({"wind": 11.0, "speed": 1.8, "torque": 4e6})
+        saved = first.checkpoint()
+        for other, another in sources.items():
+            again = session(another)
+            if name == other:
+                again.resume(saved)
+                assert again.begun
+            else:
+                with pytest.raises(InputError, match=r"^checkpoint: (drive|scenario_time|drive_file \(SHA-256\)): "):
+                    again.resume(saved)
+                assert not again.begun
+
+
+@pytest.mark.parametrize("name", ["simulation.speed", "simulation.samples", "source.speed", "source.train.phase"])
+def test_an_incomplete_checkpoint_is_refused(name: str) -> None:
+    first = session(LoadCase(BASE, "grid_loss", 1.0, windy=False))
+    first.begin({})
+    saved = first.checkpoint()
+    del saved[name]
+    with pytest.raises(InputError, match=name.rsplit(".", maxsplit=1)[-1]):
+        session(LoadCase(BASE, "grid_loss", 1.0, windy=False)).resume(saved)
+
+
+@pytest.mark.parametrize("name", ["simulation.state.x", "simulation.state.force"])
+def test_a_checkpoint_with_arrays_of_another_size_is_refused(name: str) -> None:
+    first = session(FixedPoint(BASE))
+    first.begin({})
+    saved = first.checkpoint()
+    assert name in saved
+    saved[name] = saved[name][:-1]
+    with pytest.raises(InputError, match="checkpoint"):
+        session(FixedPoint(BASE)).resume(saved)
