@@ -11,6 +11,8 @@ from nw_gear_common.tables import Array
 
 LEAST_POINTS = 3
 """Points of a curve that a line is fitted through, at least."""
+LEAST_REFERENCES = 50
+"""Points followed, at least, for a curve that says something."""
 SPAN = (0.1, 0.6)
 """Part of the rise from the first distance to the size of the attractor within which the curve counts as growing."""
 
@@ -45,10 +47,12 @@ class Divergence:
     def exponential(self) -> bool:
         """Whether neighbours were seen to part exponentially.
 
-        The line explains 95 % of 5 points or more, and rises by a nat or more. Where this is False the exponent is the
-        slope of something else: noise, whose neighbours part at once, or a regular motion, whose neighbours don't.
+        The line explains 95 % of 5 steps or more and rises by a nat or more, with 50 points followed or more. Where this
+        is False the exponent is the slope of something else: noise, whose neighbours part at once, or a regular motion,
+        whose neighbours don't. True doesn't prove chaos: see the limits of the method.
         """
-        return self.r_squared >= 0.95 and self.last - self.first >= 4 and self.growth >= 1.0
+        enough = self.references >= LEAST_REFERENCES and self.last - self.first >= 4
+        return enough and self.r_squared >= 0.95 and self.growth >= 1.0
 
 
 def growing(curve: Array, saturation: float) -> tuple[int, int]:
