@@ -47,9 +47,9 @@ class Divergence:
     def exponential(self) -> bool:
         """Whether neighbours were seen to part exponentially.
 
-        The line explains 95 % of 5 steps or more and rises by a nat or more, with 50 points followed or more. Where this
-        is False the exponent is the slope of something else: noise, whose neighbours part at once, or a regular motion,
-        whose neighbours don't. True doesn't prove chaos: see the limits of the method.
+        The line explains 95 % of 5 steps or more and rises by a nat or more, with 50 points followed or more. Where
+        this is False the exponent is the slope of something else: noise, whose neighbours part at once, or a regular
+        motion, whose neighbours don't. True doesn't prove chaos: see the limits of the method.
         """
         enough = self.references >= LEAST_REFERENCES and self.last - self.first >= 4
         return enough and self.r_squared >= 0.95 and self.growth >= 1.0

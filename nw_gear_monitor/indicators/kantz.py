@@ -95,9 +95,9 @@ def kantz(
     curve(k) = mean over i of ln (mean over j of |P(i + k) - P(j + k)|), j the points with |P(i) - P(j)| <= radius and
     |i - j| > theiler; the exponent is its slope before it saturates. Distances are Euclidean, of all coordinates (Kantz
     takes the newest one alone: the same slope). The mean over many neighbours before the logarithm is what makes it
-    steadier against noise than Rosenstein's method, as long as the radius is larger than the noise. The first steps show
-    how neighbours turn into the unstable direction and read too steep: for a flow let `fit` begin one mean period on and
-    end before the curve bends; with the range found by itself Lorenz' flow reads 15 to 60 % high.
+    steadier against noise than Rosenstein's method, as long as the radius is larger than the noise. The first steps
+    show how neighbours turn into the unstable direction and read too steep: for a flow let `fit` begin one mean period
+    on and end before the curve bends; with the range found by itself Lorenz' flow reads 15 to 60 % high.
 
     Args:
         points: (points, coordinates), of `embed` or `strobed`.
@@ -113,8 +113,8 @@ def kantz(
         The exponent in nats per unit time, its curve and the quality of its line; see `Divergence.exponential`.
 
     Raises:
-        InputError: a value that isn't finite, a constant, too few points for the window and the horizon, no point with 5
-            neighbours within the radius, a setting that isn't possible.
+        InputError: a value that isn't finite, a constant, too few points for the window and the horizon, no point with
+            5 neighbours within the radius, a setting that isn't possible.
     """
     theiler, horizon = checked.whole("theiler", theiler, 0), checked.whole("horizon", horizon, 2)
     radius, rate = checked.positive("radius", radius), checked.positive("rate", rate)

@@ -47,9 +47,9 @@ def sample_entropy(x: Array, dimension: int = 2, tolerance: float = 0.2, lag: in
     """How little the past of a signal says about its next value.
 
     SampEn = -ln(A / B), B the pairs of templates (x(i), .., x(i + (m - 1) lag)) whose largest difference is below
-    tolerance * sd, A those which stay so with one value more; i = 0 .. samples - m lag - 1 for both. -ln erf(tolerance / 2)
-    for white normal noise, whatever m; small for a sine. It depends on the sample rate: oversampling makes any signal
-    predictable. The standard deviation is that of the samples (divided by n).
+    tolerance * sd, A those which stay so with one value more; i = 0 .. samples - m lag - 1 for both. -ln erf(tolerance
+    / 2) for white normal noise, whatever m; small for a sine. It depends on the sample rate: oversampling makes any
+    signal predictable. The standard deviation is that of the samples (divided by n).
 
     Args:
         x: (samples,) any unit; 10^m to 20^m of them are wanted.
