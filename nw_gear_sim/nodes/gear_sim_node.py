@@ -207,7 +207,8 @@ class GearSimNode(Node):
             if subscribers < self._settings.wait_for:
                 missing.append(f"{self._settings.wait_for} subscribers of {names.WAVEFORM} (now {subscribers})")
             if not self._inflows.ready(moment):
-                missing.append(f"a first message on {self._input}")
+                what = f"{self._input} from {moment:g} s on" if self._clocked else f"a first message on {self._input}"
+                missing.append(what)
             if not missing:
                 return True
             if time.monotonic() >= self._next_report:

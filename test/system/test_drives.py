@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from std_srvs.srv import Trigger
@@ -25,6 +25,13 @@ def ended(probe, blocks, sim, seconds):
     assert sim.code == 0, sim.report()
     last = lambda: from_message(blocks[-1], names.WAVEFORM).data[-1, 0] if blocks else -1.0  # noqa: E731
     probe.wait_until(lambda: last() > seconds - 1.5 / 5120)
+
+
+def kept():
+    """Quality of service of a publisher whose late subscribers get all that has been said."""
+    qos = latched_qos()
+    qos.depth = 10
+    return qos
 
 
 def run(parameters, seconds):
@@ -65,16 +72,14 @@ def test_somebody_else_says_speed_and_torque():
     """The elongations follow the torque that was sent, and a message that makes no sense is refused."""
     with Probe() as probe:
         blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
-        publisher = probe.node.create_publisher(JointState, "/nw_gear/drive", latched_qos())
+        publisher = probe.node.create_publisher(JointState, "/nw_gear/drive", kept())
         with running("gear_sim_node", [*FREE, "drive:=topic", "duration:=2.0"]) as sim:
-            probe.wait_for_match("/nw_gear/drive", sim, subscribers=1)
             for speed in (math.nan, RATED_SPEED):
                 for stamp in (0.0, 5.0):
                     torque = RATED_TORQUE * (1.0 - 0.1 * stamp)
                     message = JointState(name=["ring"], velocity=[speed], effort=[torque])
                     message.header.stamp = to_stamp(stamp)
                     publisher.publish(message)
-                    probe.spin_once()
             ended(probe, blocks, sim, 2.0)
     data = np.vstack([from_message(b, names.WAVEFORM).data for b in blocks])
     x = data[:, names.waveform_columns().index("x_III")]
@@ -101,12 +106,53 @@ def test_a_checkpoint_goes_on_byte_for_byte(tmp_path, drive):
     assert later.tobytes() == whole[-len(later) :].tobytes()
 
 
+def test_a_checkpoint_goes_on_in_the_same_wind(tmp_path):
+    """The wind of a seed is the same at every time, however late it is asked for."""
+    file = tmp_path / "state.npz"
+    windy = ["use_sim_time:=true", "seed:=5"]
+    with Probe() as probe:
+        blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
+        parameters = [*FREE, "duration:=6.0", f"checkpoint:={file}"]
+        with running("gear_sim_node", parameters) as sim, running("wind_node", windy):
+            probe.wait_until(lambda: len(blocks) >= 45, sim, limit=COMPILING)
+            answer = probe.call(Trigger, "/nw_gear/gear_sim_node/checkpoint", Trigger.Request(), sim)
+            assert answer.success, answer.message
+            ended(probe, blocks, sim, 6.0)
+        before = len(blocks)
+        with running("gear_sim_node", [*FREE, "duration:=6.0", f"resume:={file}"]) as sim, running("wind_node", windy):
+            probe.wait_until(lambda: sim.code is not None, sim, limit=COMPILING)
+            assert sim.code == 0, sim.report()
+            probe.wait_until(lambda: from_message(blocks[-1], names.WAVEFORM).data[-1, 0] > 5.99)
+    whole, later = blocks[:before], blocks[before:]
+    assert 0 < len(later) < before - 44
+    assert [bytes(b.data) for b in later] == [bytes(b.data) for b in whole[-len(later) :]]
+
+
+def test_input_that_ends_is_waited_for_and_said():
+    with Probe() as probe:
+        diagnostics = probe.collect(DiagnosticArray, "/diagnostics")
+        publisher = probe.node.create_publisher(JointState, "/nw_gear/drive", kept())
+        with running("gear_sim_node", ["real_time_factor:=0.0", "drive:=topic"]) as sim:
+            for stamp in (0.0, 0.5):
+                message = JointState(name=["ring"], velocity=[RATED_SPEED], effort=[RATED_TORQUE])
+                message.header.stamp = to_stamp(stamp)
+                publisher.publish(message)
+            waits = lambda: [  # noqa: E731
+                s for a in diagnostics for s in a.status if s.message == "waiting for drive beyond 0.500 s"
+            ]
+            probe.wait_until(lambda: bool(waits()), sim, limit=COMPILING)
+            assert waits()[0].level == DiagnosticStatus.WARN
+            sim.interrupt()
+            assert sim.wait() == 0
+
+
 def test_bad_drives_end_with_one_line(tmp_path):
     (tmp_path / "bad.npz").write_bytes(b"not a checkpoint")
     for parameters, said in (
         (["drive:=file"], "drive_file"),
         (["drive_file:=/nowhere.out"], "nowhere.out"),
         (["drive:=topic", "scenario:=grid_loss"], "scenario"),
+        (["config:=rattling", "scenario:=grid_loss"], "operation.load"),
         (["config:=rated", f"resume:={tmp_path / 'bad.npz'}"], "damaged or foreign"),
     ):
         with running("gear_sim_node", [*parameters, "real_time_factor:=0.0"]) as sim:

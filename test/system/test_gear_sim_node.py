@@ -13,6 +13,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from nw_gear_common import names
 from nw_gear_common.ros import from_message, latched_qos, to_seconds
+from nw_gear_monitor.records.reader import Recording
 from test.system.processes import Probe, running
 
 COMPILING = 120.0
@@ -109,31 +110,42 @@ def test_without_wind_it_waits_and_says_for_what():
 
 
 def test_a_diverged_integration_ends_with_time_state_and_step_and_publishes_no_nan(tmp_path):
-    """A file whose torque rises to a million times the rated one tears the gearbox apart in numbers."""
+    """A file whose torque rises to a million times the rated one tears the gearbox apart; its recording is whole."""
     file = tmp_path / "apart.csv"
     file.write_text("time (s),speed (rad/s),torque (N m)\n0,1.8,4e6\n1,1.8,4e6\n1.01,1.8,4e12\n9,1.8,4e12\n")
     drive = [f"drive_file:={file}", "drive_gaps:=bridge"]
     with Probe() as probe:
         blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
-        with running("gear_sim_node", ["real_time_factor:=0.0", "wait_for:=1", *drive]) as sim:
-            probe.wait_until(lambda: sim.code is not None, sim, limit=COMPILING)
+        with (
+            running("recorder_node", [f"uri:={tmp_path / 'run'}"]) as recorder,
+            running("gear_sim_node", ["real_time_factor:=0.0", "wait_for:=2", *drive]) as sim,
+        ):
+            probe.wait_until(lambda: sim.code is not None, recorder, limit=COMPILING)
             assert sim.code == 1
             probe.wait_until(lambda: len(blocks) >= 20)  # those before the torque rose
+            recorder.interrupt()
+            assert recorder.wait() == 0
             message = sim.stderr.strip().splitlines()[-1]
     assert re.match(r"gear_sim_node: integration diverged at 1\.\d+ s \(step \d+\): \S+.* is \S+ m", message), message
     data = waveform(blocks)
     assert np.isfinite(data).all()
     assert len(data) == 20 * 256
+    with Recording.open(tmp_path / "run") as recording:
+        assert recording.complete
+        recorded = np.vstack([table.data for _time, table in recording.tables("/nw_gear/waveform")])
+    assert np.array_equal(recorded, data)
 
 
 def test_pause_stops_time_and_reset_starts_again():
     with Probe() as probe:
         clocks = probe.collect(Clock, "/clock")
         blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
+        diagnostics = probe.collect(DiagnosticArray, "/diagnostics")
         with running("gear_sim_node", ["config:=rated", "publish_clock:=true", "wait_for:=1"]) as sim:
             probe.wait_until(lambda: len(blocks) >= 10, sim, limit=COMPILING)
             assert probe.call(SetBool, "/nw_gear/gear_sim_node/pause", SetBool.Request(data=True), sim).success
             probe.wait_until(lambda: _quiet(probe, blocks), sim)
+            probe.wait_until(lambda: any(s.message == "paused" for s in statuses(diagnostics)), sim)
             assert probe.call(Trigger, "/nw_gear/gear_sim_node/reset", Trigger.Request(), sim).success
             assert probe.call(SetBool, "/nw_gear/gear_sim_node/pause", SetBool.Request(data=False), sim).success
             before = len(blocks)
