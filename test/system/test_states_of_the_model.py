@@ -17,6 +17,7 @@ from nw_gear_monitor.gearing import gearing
 from nw_gear_monitor.pipeline import Pipeline
 from nw_gear_sim import config, kinematics
 from nw_gear_sim.physics.drive import Drive
+from nw_gear_sim.physics.drivetrain import DriveTrain
 from nw_gear_sim.physics.rotor import Rotor
 from nw_gear_sim.physics.wind_weibull import WeibullWind
 from nw_gear_sim.simulation import Simulation
@@ -140,3 +141,22 @@ def test_rattling_stays_chaotic_while_speed_and_load_change():
     drives = [Drive(a[0], b[0], a[1], b[1]) for a, b in itertools.pairwise(ends)]
     hops = watch(configuration, simulation, drives)
     assert shown(hops[9:], "II") == {names.CHAOTIC}
+
+
+@pytest.mark.parametrize("scenario", ["shutdown", "emergency_stop", "grid_loss"])
+def test_a_stopped_gearbox_is_unknown_and_no_chaos(scenario):
+    """A light rotor under a strong brake: it stands within seconds."""
+    values = {"rotor_inertia": 1e7, "shutdown_time": 1.0, "pitch_time": 0.5, "brake_torque": 2e7, "brake_time": 0.2}
+    light = {f"drivetrain.{name}": value for name, value in {**values, "brake_speed": 1.0}.items()}
+    configuration = config.with_values(light, config.load())
+    train = DriveTrain(configuration.turbine, configuration.drivetrain, scenario, 11.5, 12.0)
+    simulation = Simulation(configuration, train.drive)
+    hops = watch(configuration, simulation, (train.advance(12.0, 0.1) for _ in range(240)))
+    assert train.phase == "standstill"
+    before = [hop for hop in hops if 10.0 <= hop.time <= 11.0]
+    assert all(shown(before, stage) == {names.PERIODS[0]} for stage in names.STAGES)
+    after = [hop for hop in hops if hop.time > train.events()["standstill"] + 1.0]
+    assert len(after) > 3
+    assert not any(hop.turning for hop in after)
+    assert all(shown(after, stage) == {names.UNKNOWN} for stage in names.STAGES)
+    assert not any(names.CHAOTIC in shown(hops, stage) for stage in names.STAGES)
