@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numba
 import numpy as np
 
 from nw_gear_common.tables import Array
+from nw_gear_monitor.signals import checked
 
 FREQUENCIES = 100
+LEAST = 100
 GOLDEN = 0.6180339887498949
 
 
@@ -47,6 +51,15 @@ def _growth(series: Array, frequencies: Array, lags: int) -> Array:
     return correlations
 
 
+def _correlations(series: Array) -> Array:
+    """K_c for each of the frequencies c."""
+    fractions = np.mod(GOLDEN * np.arange(1, FREQUENCIES + 1), 1.0)
+    frequencies = np.pi / 5.0 + 3.0 * np.pi / 5.0 * fractions
+    scaled = np.ascontiguousarray(series / np.std(series))
+    found: Array = _growth(scaled, frequencies, series.size // 10)
+    return found
+
+
 def zero_one(series: Array) -> float:
     """Asymptotic growth rate K of the 0-1 test: near 0 for regular, near 1 for chaotic motion (and for noise).
 
@@ -62,9 +75,39 @@ def zero_one(series: Array) -> float:
     Returns:
         K in [-1, 1]; NaN for fewer than 100 values or a constant series.
     """
-    if series.size < 100 or float(np.std(series)) == 0.0:
+    if series.size < LEAST or float(np.std(series)) == 0.0:
         return float("nan")
-    fractions = np.mod(GOLDEN * np.arange(1, FREQUENCIES + 1), 1.0)
-    frequencies = np.pi / 5.0 + 3.0 * np.pi / 5.0 * fractions
-    scaled = np.ascontiguousarray(series / np.std(series))
-    return float(np.median(_growth(scaled, frequencies, series.size // 10)))
+    return float(np.median(_correlations(series)))
+
+
+@dataclass(frozen=True)
+class ZeroOne:
+    """Outcome of the 0-1 test.
+
+    Attributes:
+        k: median of K_c over the frequencies c.
+        lower, upper: quartiles of K_c; far apart where the series is too short or some c meets a line of the spectrum.
+    """
+
+    k: float
+    lower: float
+    upper: float
+
+
+def zero_one_test(series: Array) -> ZeroOne:
+    """The 0-1 test of a finished record, with a measure of its spread and no number for what can't be tested.
+
+    As `zero_one`, but the mean is taken out first: the oscillating part is then zero, and a mean far above the standard
+    deviation doesn't drown the walks in its products with the series (noise of 1e-6 about 1 reads K = 0.3 otherwise).
+
+    Args:
+        series: (samples,) one value per period of the motion, any unit. 1000 are wanted: see `zero_one`. A periodic
+            motion with a little noise reads as chaotic, so decide first that it isn't periodic.
+
+    Raises:
+        InputError: fewer than 100 values, one that isn't finite, a constant.
+    """
+    values = checked.signal("series", series, LEAST)
+    scaled = values / float(np.max(np.abs(values)))
+    lower, middle, upper = np.percentile(_correlations(scaled - scaled.mean()), [25.0, 50.0, 75.0])
+    return ZeroOne(k=float(middle), lower=float(lower), upper=float(upper))
