@@ -68,6 +68,9 @@ class Drivetrain:
     trip_time: float = quantity(
         MISSING, "time in which the generator's torque vanishes when it trips", "s", minimum=0.0, maximum=10.0
     )
+    pitch_lag: float = quantity(
+        MISSING, "time in which the pitch follows a wind above the rated one", "s", minimum=0.0, maximum=100.0
+    )
     pitch_delay: float = quantity(
         MISSING, "time until the pitch answers to a loss of the grid", "s", minimum=0.0, maximum=1000.0
     )

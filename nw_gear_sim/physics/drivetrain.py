@@ -6,9 +6,10 @@ with J_1 of the rotor, J_2 of the generator referred to the ring's shaft and c =
 The gearbox sits between shaft and generator: it turns with w_2 and carries T_s, which falls below zero where the shaft
 springs back.
 
-Wind: T_a = p T min(1, (s - w_1/n) / (s - 1)) - (1 - p) d T_e (w_1/n_e)^2, not below -T in its first part, with n and T
-of paper Eq 2 and the pitch's share p; so a rotor without load settles at s n. Generator: T_g = g T_e min(1, w_2/n_e)^2,
-which is Eq 2 without the wind. Brake, on the generator's side: T_b = b min(T_max, (J_1 + J_2) w_2 / tau).
+Wind: T_a = p u T min(1, (s - w_1/n) / (s - 1)) - (1 - p) d T_e (w_1/n_e)^2, not below -u T in its first part, with n
+and T of paper Eq 2, the pitch's share p and the factor u of gusts (`Pitch`); a rotor without load settles at s n.
+Generator: T_g = g T_e min(1, w_2/n_e)^2, which is Eq 2 without the wind. Brake, on the generator's side:
+T_b = b min(T_max, (J_1 + J_2) w_2 / tau).
 
 Validity: the gearbox is taken as stiff and without inertia. Seen from the ring, its gears have 1.77e5 kg m^2 (ring 10,
 planets 43, sun and herringbone 121, output 3 thousand), 3.8 % of J_2 and 0.4 % of J_1; the largest acceleration,
@@ -25,7 +26,7 @@ from typing import NamedTuple
 from nw_gear_common.errors import InputError
 from nw_gear_sim.params import Drivetrain
 from nw_gear_sim.physics.drive import Drive
-from nw_gear_sim.physics.rotor import STANDSTILL, RotorParameters, operating_point
+from nw_gear_sim.physics.rotor import STANDSTILL, Pitch, RotorParameters, operating_point
 
 SCENARIOS = ("start_up", "shutdown", "emergency_stop", "grid_loss")
 LONGEST_STEP = 2e-3
@@ -93,6 +94,7 @@ class DriveTrain:
         self.time = 0.0
         self._events: dict[str, float] = {}
         self._steady = operating_point(turbine, wind)
+        self._pitch = Pitch(turbine.rated_wind, parameters.pitch_lag, wind)
         if scenario == "start_up":
             self.phase, share, at_first = "standstill", 0.0, (0.0, 0.0)
         else:
@@ -116,6 +118,7 @@ class DriveTrain:
         """
         before = self._ring()
         self._steady = operating_point(self._turbine, wind)
+        self._pitch.follow(wind, duration)
         end = self.time + duration
         self._decide()
         while self.time < end:
@@ -146,10 +149,10 @@ class DriveTrain:
 
     def state(self) -> dict[str, float | str]:
         """Return all that the future depends on besides the arguments and the wind to come."""
+        now = {"scenario": self._scenario, "phase": self.phase, "time": self.time, "pitched_wind": self._pitch.wind}
         shares = {f"{name}.{key}": value for name in _SHARES for key, value in self._shares[name]._asdict().items()}
         events = {f"event.{name}": time for name, time in self._events.items()}
-        texts = {"scenario": self._scenario, "phase": self.phase}
-        return {**texts, "time": self.time, **dict(zip(_STATE, self._state, strict=True)), **shares, **events}
+        return {**now, **dict(zip(_STATE, self._state, strict=True)), **shares, **events}
 
     def restore(self, state: Mapping[str, float | str]) -> None:
         """Go on from what `state` returned, bit for bit.
@@ -159,12 +162,19 @@ class DriveTrain:
         """
         if state.get("scenario") != self._scenario:
             raise InputError("drive-train: scenario", self._scenario, str(state.get("scenario", "nothing")))
-        wanted = [*_STATE, "time", "phase", *(f"{name}.{key}" for name in _SHARES for key in Ramp._fields)]
+        wanted = [
+            *_STATE,
+            "time",
+            "pitched_wind",
+            "phase",
+            *(f"{name}.{key}" for name in _SHARES for key in Ramp._fields),
+        ]
         for name in wanted:
             if name not in state:
                 raise InputError(f"drive-train: {name}", "a value", "nothing")
         self._state = tuple(float(state[name]) for name in _STATE)
         self.time, self.phase = float(state["time"]), str(state["phase"])
+        self._pitch.wind = float(state["pitched_wind"])
         for name in _SHARES:
             self._shares[name] = Ramp(*(float(state[f"{name}.{key}"]) for key in Ramp._fields))
         events = {name.removeprefix("event."): value for name, value in state.items() if name.startswith("event.")}
@@ -284,4 +294,5 @@ class DriveTrain:
         if torque == 0.0:
             return -(1.0 - pitch) * drag
         ratio = parameters.runaway_ratio
+        torque *= self._pitch.gust
         return pitch * torque * max(-1.0, min(1.0, (ratio - rotor / speed) / (ratio - 1.0))) - (1.0 - pitch) * drag

@@ -97,3 +97,31 @@ class Rotor:
         drive = Drive(self._speed, speed, self._torque, torque)
         self._speed, self._torque = speed, torque
         return drive
+
+
+class Pitch:
+    """A pitch that follows the wind above the rated one with a lag, so that gusts get through there.
+
+    Set for a wind v_p, dv_p/dt = (max(v, v_e) - v_p) / lag; the torque is (max(v, v_e) / v_p)^2 times that of Eq 2,
+    which takes v_p = max(v, v_e) for granted. Blades that don't turn meanwhile are taken to follow the square of the
+    wind; nothing is said of stall.
+
+    Args:
+        rated_wind: v_e, m/s.
+        lag: s; 0 = at once.
+        wind: v at the start, for which it is set, m/s.
+
+    Attributes:
+        wind: v_p, m/s.
+        gust: factor on the torque.
+    """
+
+    def __init__(self, rated_wind: float, lag: float, wind: float) -> None:
+        self._rated, self._lag = rated_wind, lag
+        self.wind, self.gust = max(wind, rated_wind), 1.0
+
+    def follow(self, wind: float, duration: float) -> None:
+        """Follow a wind (m/s) that holds for a time (s), exactly; `gust` is that at its end."""
+        wind = max(wind, self._rated)
+        self.wind = wind + (self.wind - wind) * (math.exp(-duration / self._lag) if self._lag > 0.0 else 0.0)
+        self.gust = (wind / self.wind) ** 2

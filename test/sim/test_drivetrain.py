@@ -14,6 +14,7 @@ from nw_gear_sim.params import Configuration
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.drivetrain import SCENARIOS, DriveTrain
 from nw_gear_sim.physics.rotor import operating_point
+from nw_gear_sim.physics.wind_gust import GustWind
 from nw_gear_sim.simulation import Simulation
 from test.sim.gearboxes import RATED_SPEED, RATED_TORQUE, rigid_rotation
 
@@ -150,6 +151,35 @@ def test_momentum_on_a_ramp() -> None:
         state, since = train.state(), max(0.0, train.time - 0.5)
         momentum = p.rotor_inertia * float(state["rotor_speed"]) + p.generator_inertia * float(state["ring_speed"])
         assert momentum == pytest.approx(0.5 * RATED_TORQUE * since**2 / p.start_time, rel=1e-9)
+
+
+def test_a_step_of_the_wind_above_the_rated_one() -> None:
+    """The pitch follows with v_p = v - (v - v_e) exp(-t / tau); the torque (v / v_p)^2 T_e less T_e turns the rotor up.
+
+    (So small a slope over the speed, and so short a time, that the torque over the speed counts for 2e-4.)
+    """
+    train, p = driven("shutdown", event=100.0, wind=11.5, runaway_ratio=100.0), CONFIGURATION.drivetrain
+    inertia, lag, wind = p.rotor_inertia + p.generator_inertia, p.pitch_lag, 14.0
+    for _ in range(2000):
+        train.advance(wind, 1e-3)
+    state = train.state()
+    momentum = p.rotor_inertia * float(state["rotor_speed"]) + p.generator_inertia * float(state["ring_speed"])
+    time = np.linspace(0.0, 2.0, 20001)
+    surplus = (wind / (wind - (wind - 11.5) * np.exp(-time / lag))) ** 2 - 1.0
+    gained = RATED_TORQUE * float(np.sum(0.5 * (surplus[1:] + surplus[:-1]))) * 1e-4
+    assert momentum - RATED_SPEED * inertia == pytest.approx(gained, rel=3e-3)
+    assert float(state["pitched_wind"]) == pytest.approx(wind - (wind - 11.5) * math.exp(-2.0 / lag), rel=1e-9)
+
+
+def test_a_gust_makes_a_loss_of_the_grid_worse() -> None:
+    """An extreme operating gust above rated wind, and the loss while it rises, against the loss in steady wind."""
+    fastest = []
+    for size in (0.0, 5.29):
+        train, gust = driven("grid_loss", event=7.0, wind=14.0), GustWind(14.0, size, 2.0, 0.0)
+        speeds = [train.advance(gust.at(train.time + TICK), TICK).speed_end for _ in range(1200)]
+        fastest.append(max(speeds) / RATED_SPEED)
+    assert fastest[0] > 1.05
+    assert fastest[1] > fastest[0] + 0.01
 
 
 def test_a_start_without_wind_waits_for_it() -> None:
