@@ -97,7 +97,7 @@ def kantz(
     takes the newest one alone: the same slope). The mean over many neighbours before the logarithm is what makes it
     steadier against noise than Rosenstein's method, as long as the radius is larger than the noise. The first steps
     show how neighbours turn into the unstable direction and read too steep: for a flow let `fit` begin one mean period
-    on and end before the curve bends; with the range found by itself Lorenz' flow reads 15 to 60 % high.
+    on and end before the curve bends; with the range found by itself Lorenz' flow reads too high.
 
     Args:
         points: (points, coordinates), of `embed` or `strobed`.

@@ -87,9 +87,10 @@ def rosenstein(
     curve(k) = mean over i of ln |P(i + k) - P(j(i) + k)|, where j(i) is the nearest neighbour of i with
     |i - j| > theiler; the exponent is its slope before it saturates. Distances of zero are left out.
 
-    It holds where the data are deterministic and noise is below 40 dB; noise alone gives a slope as well, so look at
-    `Divergence.exponential`, and don't ask before it is known that the motion isn't periodic. With 4096 samples expect
-    errors of 10 % for maps and 25 % for flows.
+    It holds where the data are deterministic and noise is 40 dB or more below them; noise alone gives a slope as well,
+    so look at `Divergence.exponential`, and don't ask before it is known that the motion isn't periodic. With 4096
+    samples expect errors of 5 % for maps and 30 % for flows; for a flow it is better to look at the curve and give
+    `fit`.
 
     Args:
         points: (points, coordinates), of `embed` or `strobed`.
