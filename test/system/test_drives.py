@@ -128,6 +128,31 @@ def test_a_checkpoint_goes_on_in_the_same_wind(tmp_path):
     assert [bytes(b.data) for b in later] == [bytes(b.data) for b in whole[-len(later) :]]
 
 
+def test_a_checkpoint_goes_on_in_wall_time(tmp_path):
+    """The samples that waited for their block come out with the stamps of the new run; the motion has no gap."""
+    file = tmp_path / "state.npz"
+    with Probe() as probe:
+        blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
+        with running("gear_sim_node", ["config:=rated", f"checkpoint:={file}"]) as sim:
+            probe.wait_until(lambda: len(blocks) >= 3, sim, limit=COMPILING)
+            probe.wait_until(lambda: waiting(probe, sim, file) > 0, sim)
+    with Probe() as probe:
+        blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
+        with running("gear_sim_node", ["config:=rated", "wait_for:=1", f"resume:={file}"]) as sim:
+            probe.wait_until(lambda: len(blocks) >= 3, sim, limit=COMPILING)
+    data = np.vstack([from_message(b, names.WAVEFORM).data for b in blocks])
+    assert np.diff(data[:, 0]) == pytest.approx(1 / 5120, rel=2e-3)  # stamps of today resolve 0.24 us
+    assert np.diff(data[:, 1]) == pytest.approx(91 * RATED_SPEED / 5120, rel=1e-6)
+
+
+def waiting(probe, sim, file):
+    """Take a checkpoint, and return how many samples in it wait for their block."""
+    answer = probe.call(Trigger, "/nw_gear/gear_sim_node/checkpoint", Trigger.Request(), sim)
+    assert answer.success, answer.message
+    with np.load(file) as archive:
+        return len(archive["waveform.pending"])
+
+
 def test_input_that_ends_is_waited_for_and_said():
     with Probe() as probe:
         diagnostics = probe.collect(DiagnosticArray, "/diagnostics")
