@@ -20,10 +20,8 @@ from nw_gear_sim.physics.spring import SpringLaw
 
 COUPLING = 1e-9
 """Share of the largest modal damping below which a coupling of two modes is rounding."""
-
-
 VECTOR = 8
-"""Loops over the modes are fastest where their number is a multiple of this (measured with 64-byte vectors)."""
+"""The modes are filled up to a multiple of this, the numbers in a vector of 64 bytes."""
 
 
 class ModalLaws(NamedTuple):
