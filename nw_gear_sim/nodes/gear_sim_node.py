@@ -168,7 +168,6 @@ class GearSimNode(Node):
         self._session.forget()
         self._resume()
         began = self._session.time if self._session.begun else 0.0
-        self._reports.clock(began)  # a jump back makes the wind start again; until then what is known of it stays valid
         if not self._wait_for_company(began):
             return not self._stop
         if not self._session.begun:
@@ -200,8 +199,13 @@ class GearSimNode(Node):
             self._waveform.restore(values)
 
     def _wait_for_company(self, moment: float) -> bool:
-        """Wait for subscribers and for the first input; False when stopped or reset meanwhile."""
+        """Wait for subscribers and for the first input; False when stopped or reset meanwhile.
+
+        The clock is said again and again: a wind node that starts later has to hear it too, and a jump back makes the
+        wind begin again (until then what is known of it stays valid).
+        """
         while not self._stop and not self._reset.is_set():
+            self._reports.clock(moment)
             subscribers = self._waveform.subscribers()
             missing = []
             if subscribers < self._settings.wait_for:

@@ -119,8 +119,12 @@ def test_a_checkpoint_goes_on_in_the_same_wind(tmp_path):
             assert answer.success, answer.message
             ended(probe, blocks, sim, 6.0)
         before = len(blocks)
-        with running("gear_sim_node", [*FREE, "duration:=6.0", f"resume:={file}"]) as sim, running("wind_node", windy):
-            probe.wait_until(lambda: sim.code is not None, sim, limit=COMPILING)
+        diagnostics = probe.collect(DiagnosticArray, "/diagnostics")
+        waits = lambda: any("wind_speed from" in s.message for a in diagnostics for s in a.status)  # noqa: E731
+        with running("gear_sim_node", [*FREE, "duration:=6.0", f"resume:={file}"]) as sim:
+            probe.wait_until(waits, sim, limit=COMPILING)  # the wind node comes last
+            with running("wind_node", windy):
+                probe.wait_until(lambda: sim.code is not None, sim, limit=COMPILING)
             assert sim.code == 0, sim.report()
             probe.wait_until(lambda: from_message(blocks[-1], names.WAVEFORM).data[-1, 0] > 5.99)
     whole, later = blocks[:before], blocks[before:]
