@@ -35,7 +35,7 @@ setup(
     name=NAME,
     version=VERSION,
     packages=find_packages(include=["nw_gear_*"]),
-    package_data={"": ["py.typed", "*.html", "*.css", "*.js"]},
+    package_data={"": ["py.typed", "*.html", "*.css", "*.js", "*.csv"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
