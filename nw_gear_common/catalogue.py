@@ -72,6 +72,20 @@ TOPICS = (
         f"every sample, {names.WAVEFORM_BLOCKS_PER_SECOND} blocks/s",
     ),
     Topic(
+        names.ACCELERATION,
+        TABLE,
+        "gear_sim_node",
+        "table `sample`: time, acceleration of the housings at the chosen bearings (m/s^2) as sensors show it",
+        f"every sample, {names.WAVEFORM_BLOCKS_PER_SECOND} blocks/s",
+    ),
+    Topic(
+        names.TACHO,
+        TABLE,
+        "gear_sim_node",
+        "table `pulse`: time at which a shaft passes each mark",
+        "with the pulses",
+    ),
+    Topic(
         names.TRUTH,
         "diagnostic_msgs/msg/DiagnosticStatus",
         "gear_sim_node",

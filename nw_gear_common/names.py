@@ -25,6 +25,8 @@ DRIVE = "drive"
 SHAFTS_TOPIC = "shafts"
 MESH_TOPIC = "mesh"
 WAVEFORM = "waveform"
+ACCELERATION = "acceleration"
+TACHO = "tacho"
 TRUTH = "truth"
 SPECTRUM = "spectrum"
 ORDERS = "orders"
@@ -39,8 +41,10 @@ ROW_BIN = "bin"
 ROW_ORDER = "order"
 ROW_POINT = "point"
 ROW_ROW = "row"
+ROW_PULSE = "pulse"
 
 SECTION_COLUMNS = ("time", "planet", "x", "v")
+TACHO_COLUMNS = ("time",)
 
 PERIODS = tuple(f"period-{n}" for n in range(1, 17))
 QUASI_PERIODIC = "quasi-periodic"
@@ -77,3 +81,8 @@ def waveform_columns(bearings: Sequence[str] = WAVEFORM_BEARINGS) -> tuple[str, 
         *(f"v_{mesh}" for mesh in MESHES),
         *(f"{axis}_{bearing}" for bearing in bearings for axis in ("fx", "fy")),
     )
+
+
+def acceleration_columns(bearings: Sequence[str] = WAVEFORM_BEARINGS) -> tuple[str, ...]:
+    """Columns of `acceleration`: time (s), accelerations of the housings in x and y at bearings (m/s^2)."""
+    return ("time", *(f"{axis}_{bearing}" for bearing in bearings for axis in ("ax", "ay")))

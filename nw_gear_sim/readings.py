@@ -56,6 +56,15 @@ def joined(blocks: Sequence[Block]) -> Block:
     return Block(**{name: np.concatenate(parts) for name, parts in columns.items()}, **shares)
 
 
+def thinned(block: Block, every: int) -> Block:
+    """Return a block with the first of every so many samples; the shares stay."""
+    if every == 1:
+        return block
+    kept = {f.name: getattr(block, f.name) for f in fields(Block)}
+    thin = {name: np.ascontiguousarray(x[::every]) for name, x in kept.items() if name not in _SHARES}
+    return Block(**{**kept, **thin})
+
+
 class Readings:
     """Makes blocks of what was recorded.
 

@@ -33,6 +33,7 @@ from nw_gear_sim.nodes.inputs import make_source, ring_sample
 from nw_gear_sim.nodes.pacing import Busy, Pace
 from nw_gear_sim.nodes.progress import Progress
 from nw_gear_sim.nodes.publishing import Reports, Views, Waveform
+from nw_gear_sim.nodes.sensing import Sensing, wanted
 from nw_gear_sim.nodes.session import Session
 from nw_gear_sim.nodes.sim_settings import Settings
 from nw_gear_sim.remarks import remarks
@@ -61,6 +62,7 @@ class GearSimNode(Node):
             settings.excitation or self._configuration.excitation.mode,
             settings.start,
             settings.sample_rate,
+            every_step=wanted(settings),
         )
         needs = self._session.source.needs
         self._input = INPUT_TOPIC[needs[0]] if needs else ""
@@ -70,6 +72,7 @@ class GearSimNode(Node):
         self._paused = threading.Event()
         self._reset = threading.Event()
         self._waveform = Waveform(self, self._session.rows, settings.waveform_bearings)
+        self._sensing = Sensing(self, settings, self._configuration, self._session.fine_rate)
         self._views = Views(self, settings.view_rate)
         self._reports = Reports(self, self._clocked)
         qos: QoSProfile = latched_qos()
@@ -119,7 +122,11 @@ class GearSimNode(Node):
             with self._ticking:  # between two ticks
                 if not self._session.begun:
                     raise InputError("checkpoint", "a run that has begun", "none yet")
-                values = {**self._session.checkpoint(), **self._waveform.pending(self._origin)}
+                values = {
+                    **self._session.checkpoint(),
+                    **self._waveform.pending(self._origin),
+                    **self._sensing.checkpoint(),
+                }
             write_checkpoint(Path(path), self._resolved, values)
             response.success, response.message = True, path
         except InputError as error:
@@ -149,6 +156,7 @@ class GearSimNode(Node):
         try:
             self._report(OK, "compiling")
             compile_with_notice(self._configuration.numerics.integrator, self.get_logger().info)
+            self._sensing.compile()
             while not self._stop and self._run_epoch():
                 self.get_logger().info("reset: a new epoch begins")
             if not self._stop and not self._waveform.flush():
@@ -165,6 +173,7 @@ class GearSimNode(Node):
         """Run from the initial state until a reset (True) or the end (False)."""
         self._reset.clear()
         self._waveform.drop()
+        self._sensing.drop()
         self._session.forget()
         self._resume()
         began = self._session.time if self._session.begun else 0.0
@@ -197,6 +206,7 @@ class GearSimNode(Node):
             values = read_checkpoint(Path(self._settings.resume), self._resolved)
             self._session.resume(values)
             self._waveform.restore(values)
+            self._sensing.restore(values)
 
     def _wait_for_company(self, moment: float) -> bool:
         """Wait for subscribers and for the first input; False when stopped or reset meanwhile.
@@ -257,6 +267,7 @@ class GearSimNode(Node):
             block = self._session.advance(inputs)
             self._busy.note(time.thread_time() - began)
             self._waveform.add(block, self._origin)
+            self._sensing.add(self._session.fine, self._origin)
         self._views.offer(block, self._origin)
         self._reports.clock(self._session.time)
         self._pace.note(time.monotonic(), self._session.time)
@@ -289,6 +300,7 @@ class GearSimNode(Node):
     def _report(self, level: bytes, message: str, values: dict[str, str] | None = None) -> None:
         now = self._origin + self._session.time if self._clocked else self._wall_time()
         self._reports.diagnostics(now, level, message, values or {})
+        self._sensing.report(now)
 
 
 def main(argv: Sequence[str]) -> int:

@@ -12,7 +12,7 @@ from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_sim.drives import Inputs, Source
 from nw_gear_sim.params import Configuration
-from nw_gear_sim.readings import Block, joined
+from nw_gear_sim.readings import Block, joined, thinned
 from nw_gear_sim.simulation import Simulation, steps_per_sample
 
 LONGEST_TICK = 0.0126
@@ -30,20 +30,36 @@ class Session:
         excitation: `kinematic` or `tied`.
         start: `equilibrium` or `zero`.
         sample_rate: samples per second (Hz).
+        every_step: whether `fine` has a sample of every step; the samples that `advance` returns stay the same, bit
+            for bit.
+
+    Attributes:
+        fine_rate: samples per second of `fine`, Hz.
+        fine: samples of the last tick.
 
     Raises:
         InputError: the sample rate gives no whole number of samples per block, or of steps per sample.
     """
 
     def __init__(
-        self, configuration: Configuration, source: Source, excitation: str, start: str, sample_rate: float
+        self,
+        configuration: Configuration,
+        source: Source,
+        excitation: str,
+        start: str,
+        sample_rate: float,
+        *,
+        every_step: bool = False,
     ) -> None:
         rows = sample_rate / names.WAVEFORM_BLOCKS_PER_SECOND
         if rows != int(rows):
             raise InputError(
                 "parameter sample_rate", f"a multiple of {names.WAVEFORM_BLOCKS_PER_SECOND} Hz", f"{sample_rate:g} Hz"
             )
-        steps_per_sample(configuration.numerics, sample_rate)
+        steps = steps_per_sample(configuration.numerics, sample_rate)
+        self._finer = steps if every_step else 1
+        self.fine_rate = sample_rate * self._finer
+        self.fine: Block | None = None
         self.rows = int(rows)
         longest = LONGEST_TICK * sample_rate
         divisors = [d for d in range(1, self.rows + 1) if self.rows % d == 0 and self.rows / d <= longest]
@@ -89,7 +105,7 @@ class Session:
             self.source.begin(inputs),
             start=self._start,
             excitation=self._excitation,
-            sample_rate=self._sample_rate,
+            sample_rate=self.fine_rate,
         )
         self._forget_second()
 
@@ -112,7 +128,7 @@ class Session:
         try:
             self.source.restore(part(_SOURCE))
             self._simulation = Simulation.resume(
-                self._configuration, part(_SIMULATION), excitation=self._excitation, sample_rate=self._sample_rate
+                self._configuration, part(_SIMULATION), excitation=self._excitation, sample_rate=self.fine_rate
             )
         except (KeyError, TypeError, ValueError) as error:
             got = f"one without a usable {error}" if isinstance(error, KeyError) else str(error)
@@ -129,8 +145,9 @@ class Session:
         blocks = []
         for samples in self._pieces:
             drive = self.source.advance(inputs, samples / self._sample_rate)
-            blocks.append(self._simulation.advance(samples, drive))
-        block = joined(blocks)
+            blocks.append(self._simulation.advance(samples * self._finer, drive))
+        self.fine = joined(blocks)
+        block = thinned(self.fine, self._finer)
         self._open += block.open_fraction
         self._back += block.back_fraction
         self._ticks += 1

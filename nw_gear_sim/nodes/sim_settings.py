@@ -62,3 +62,36 @@ class Settings:
     waveform_bearings: tuple[str, ...] = quantity(
         names.WAVEFORM_BEARINGS, "Bearings whose forces are in the waveform.", choices=names.BEARINGS
     )
+    accelerometers: tuple[str, ...] = quantity(
+        names.WAVEFORM_BEARINGS,
+        "Bearings whose housings carry an accelerometer in x and y; [''] = none.",
+        choices=("", *names.BEARINGS),
+    )
+    acceleration_rate: float = quantity(
+        0.0,
+        "Rate of the accelerometers; a multiple of 20, and the rate of the steps times or over a whole number; 0 = "
+        "sample_rate.",
+        "Hz",
+        minimum=0.0,
+        maximum=40960.0,
+    )
+    acceleration_range: float = quantity(
+        490.0,
+        "Largest acceleration that a sensor shows; beyond it clips.",
+        "m/s^2",
+        minimum=1e-3,
+        maximum=1e6,
+    )
+    acceleration_noise: float = quantity(
+        5e-4, "Density of the sensors' white noise; 0 = none.", "m/s^2/sqrt(Hz)", minimum=0.0, maximum=1e3
+    )
+    acceleration_sensitivity: float = quantity(
+        0.0102, "Output of a sensor for 1 m/s^2.", "V s^2/m", minimum=1e-6, maximum=1e3
+    )
+    acceleration_voltage: float = quantity(
+        5.0, "Largest voltage that the converter takes.", "V", minimum=1e-3, maximum=1e3
+    )
+    acceleration_bits: int = quantity(24, "Bits of the converter; 0 = no rounding.", minimum=0, maximum=32)
+    tacho_shaft: str = quantity("output", "Shaft with a tacho; empty = none.", choices=("", *names.SHAFTS))
+    tacho_pulses: int = quantity(1, "Pulses of the tacho in a turn.", minimum=1, maximum=10000)
+    sensor_seed: int = quantity(1, "Seed of the accelerometers' noise.", minimum=0, maximum=2**31 - 1)

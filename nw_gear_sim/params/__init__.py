@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from nw_gear_sim.params.gears import CentreDistance, Friction, Gear, Gears, Mesh, Meshes, Toothing, Toothings, Wheel
 from nw_gear_sim.params.operation import Drivetrain, Excitation, Gravity, Numerics, Operation, Turbine, Wind
-from nw_gear_sim.params.structure import Bearing, Bearings, Generator, Ring, Shafts, Torsion
+from nw_gear_sim.params.structure import Bearing, Bearings, Generator, Housing, Housings, Ring, Shafts, Torsion
 
 __all__ = [
     "Bearing",
@@ -23,6 +23,8 @@ __all__ = [
     "Gears",
     "Generator",
     "Gravity",
+    "Housing",
+    "Housings",
     "Mesh",
     "Meshes",
     "Numerics",
@@ -52,6 +54,7 @@ class Configuration:
     torsion: Torsion
     ring: Ring
     generator: Generator
+    housing: Housings
     turbine: Turbine
     drivetrain: Drivetrain
     wind: Wind

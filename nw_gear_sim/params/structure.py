@@ -1,4 +1,4 @@
-"""Parameters of what carries the gears: bearings, shafts, the flexible ring, the generator's coupling."""
+"""Parameters of what carries the gears: bearings, shafts, the flexible ring, the generator's coupling, housings."""
 
 from __future__ import annotations
 
@@ -114,3 +114,24 @@ class Generator:
 
     stiffness: float = quantity(MISSING, "torsion spring K_u2", "N m/rad", minimum=1.0, maximum=1e13)
     damping_time: float = quantity(MISSING, "damping over stiffness of that spring", "s", minimum=0.0, maximum=1.0)
+
+
+@dataclass(frozen=True)
+class Housing:
+    """What stands under an accelerometer: the housing at one kind of bearing as an oscillator, alike in x and y."""
+
+    mass: float = quantity(MISSING, "modal mass of the housing at the bearing", "kg", minimum=1.0, maximum=1e6)
+    frequency: float = quantity(MISSING, "natural frequency of the housing there", "Hz", minimum=1.0, maximum=1e4)
+    damping_ratio: float = quantity(MISSING, "damping ratio of the housing there", minimum=0.0, maximum=1.0)
+
+
+@dataclass(frozen=True)
+class Housings:
+    """The housing at each kind of bearing; it doesn't act back on the gears, accelerometers alone see it."""
+
+    pb1: Housing
+    pb2: Housing
+    sb: Housing
+    b1: Housing
+    b21: Housing
+    b22: Housing
