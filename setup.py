@@ -64,6 +64,7 @@ setup(
             "info = nw_gear_monitor.records.command_info:info",
             "modes = nw_gear_sim.commands.modes:modes",
             "equilibrium = nw_gear_sim.commands.equilibrium:equilibrium",
+            "study = nw_gear_sim.commands.study:study",
             "recover = nw_gear_monitor.records.command_recover:recover",
         ],
     },

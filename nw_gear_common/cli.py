@@ -1,8 +1,8 @@
 """The command line `nw_gear`: collects the commands of the packages and turns errors into exit codes.
 
-Commands are found through the entry point group `nw_gear.commands` (name -> function), so that this shared package
-imports neither the simulator nor the monitor. Exit codes: 0 success, 2 wrong arguments or input, 1 other foreseen
-failure, 130 and 143 after SIGINT and SIGTERM.
+Commands are found through the entry point group `nw_gear.commands` (name -> function, or a `typer.Typer` for a group of
+commands), so that this shared package imports neither the simulator nor the monitor. Exit codes: 0 success, 2 wrong
+arguments or input, 1 other foreseen failure, 130 and 143 after SIGINT and SIGTERM.
 """
 
 from __future__ import annotations
@@ -56,7 +56,11 @@ def build() -> typer.Typer:
     app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
     app.callback()(_options)
     for point in sorted(entry_points(group=GROUP), key=lambda p: p.name):
-        app.command(point.name)(point.load())
+        command = point.load()
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=point.name)
+        else:
+            app.command(point.name)(command)
     return app
 
 

@@ -79,8 +79,7 @@ def integrate(
         h,
     )
     _run(numbers, omega, h, back, x, v, np.append(a, np.zeros(periods * steps)))
-    time: Array = h * np.arange(periods * steps + 1)
-    return Course(time, x[back:], v[back:])
+    return Course(h * np.arange(periods * steps + 1, dtype=np.float64), x[back:], v[back:])
 
 
 @njit(cache=True)

@@ -1,0 +1,12 @@
+"""`nw_gear study ...`: the paper's studies."""
+
+from __future__ import annotations
+
+import typer
+
+from nw_gear_sim.commands.claims import claims
+from nw_gear_sim.commands.superharmonic import superharmonic
+
+study = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="The paper's studies, for this gearbox or yours.")
+study.command("claims")(claims)
+study.command("superharmonic")(superharmonic)
