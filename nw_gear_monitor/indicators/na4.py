@@ -29,16 +29,25 @@ def na4(residual: Array, earlier: Sequence[float] = (), floor: float = 0.0) -> f
         InputError: a residual that can't be used (fewer than 8 points, not finite, constant), an earlier variance or a
             floor that is negative or not finite.
     """
-    r = checked.signal("residual", residual, 8)
     before = np.asarray(earlier, dtype=np.float64)
     if before.size and not (np.isfinite(before).all() and (before >= 0.0).all()):
         raise InputError(
             "earlier", "finite variances, none negative", str(before[~(before >= 0.0) | ~np.isfinite(before)][0])
         )
+    return na4_after(residual, float(np.sum(before)), before.size, floor)
+
+
+def na4_after(residual: Array, earlier: float, records: int, floor: float = 0.0) -> float:
+    """`na4` from the sum of the variances of so many earlier records.
+
+    Raises:
+        InputError: a residual or a floor that can't be used.
+    """
+    r = checked.signal("residual", residual, 8)
     if not (np.isfinite(floor) and floor >= 0.0):
         raise InputError("floor", "a finite variance, not negative", repr(floor))
     scale = float(np.max(np.abs(r)))
     deviation = (r - r.mean()) / scale
     square = deviation * deviation
-    mean_variance = (float(np.sum(before)) / scale**2 + float(np.mean(square))) / (before.size + 1)
+    mean_variance = (earlier / scale**2 + float(np.mean(square))) / (records + 1)
     return float(np.mean(square * square)) / max(mean_variance, floor / scale**2) ** 2

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nw_gear_common.tables import Array
-from nw_gear_monitor.indicators.mesh_harmonics import harmonic_amplitudes
+from nw_gear_monitor.indicators.mesh_harmonics import DIVISORS, mesh_lines
 from nw_gear_monitor.indicators.window import single
 
 
@@ -33,5 +33,5 @@ INDICATOR = single(
     "off_line_ratio",
     "",
     "energy outside the mesh harmonics over all",
-    lambda window: off_line_ratio(window.once(harmonic_amplitudes), window.x),
+    lambda window: off_line_ratio(window.once(mesh_lines)[len(DIVISORS) :], window.x),
 )

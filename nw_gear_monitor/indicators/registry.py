@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from nw_gear_common import names
+from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Table
 from nw_gear_monitor.indicators import (
+    contact,
     crest_factor,
+    gear_turns,
     kurtosis,
     line_state,
     mean,
@@ -15,6 +18,7 @@ from nw_gear_monitor.indicators import (
     off_line_ratio,
     peak_to_peak,
     rms,
+    strobed_motion,
     subharmonics,
 )
 from nw_gear_monitor.indicators.window import Column, Indicator, MeshWindow
@@ -29,6 +33,10 @@ ALL: tuple[Indicator, ...] = (
     subharmonics.INDICATOR,
     off_line_ratio.INDICATOR,
     line_state.INDICATOR,
+    contact.INDICATOR,
+    gear_turns.SIDEBANDS,
+    gear_turns.AVERAGES,
+    strobed_motion.INDICATOR,
 )
 COLUMNS: tuple[Column, ...] = tuple(column for indicator in ALL for column in indicator.columns)
 
@@ -43,5 +51,13 @@ def evaluate(time: float, window: MeshWindow | None) -> Table:
     if window is None:
         values: tuple[float, ...] = (float("nan"),) * len(COLUMNS)
     else:
-        values = tuple(value for indicator in ALL for value in indicator.compute(window))
+        values = tuple(value for indicator in ALL for value in _values(indicator, window))
     return Table(names.ROW_ROW, ("time", *(column.name for column in COLUMNS)), np.array([[time, *values]]))
+
+
+def _values(indicator: Indicator, window: MeshWindow) -> tuple[float, ...]:
+    """The indicator's numbers; NaN where it refuses the window (a constant, no mesh line, too short)."""
+    try:
+        return indicator.compute(window)
+    except InputError:
+        return (float("nan"),) * len(indicator.columns)

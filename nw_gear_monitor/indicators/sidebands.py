@@ -70,24 +70,45 @@ def sidebands(
             samples in a cycle of the highest line; more sidebands than half the teeth of the smaller gear; no mesh
             line.
     """
-    harmonics, count = checked.whole("harmonics", harmonics, 1), checked.whole("count", count, 1)
-    for number in teeth:
-        if checked.whole("teeth", number, 3) < 2 * count:
-            raise InputError("count", f"at most half of {number} teeth", str(count))
+    harmonics, count = _settings(teeth, harmonics, count)
     turns = whole_turns(mesh_phase, x, degree=degree, least=LEAST_TURNS * max(teeth))
     highest = harmonics + count / min(teeth)
     sampled = x.size * 2.0 * np.pi / float(mesh_phase[-1] - mesh_phase[0])
     if sampled < 2.5 * highest:
         raise InputError("x", f"at least {2.5 * highest:.3g} samples a mesh cycle", f"{sampled:.3g}")
+    return sidebands_of_cycles(turns.values, teeth, harmonics=harmonics, count=count)
+
+
+def sidebands_of_cycles(
+    cycles: Array, teeth: tuple[int, int], *, harmonics: int = HARMONICS, count: int = SIDEBANDS
+) -> Sidebands:
+    """The same from whole mesh cycles that are on equal steps of mesh phase already.
+
+    Args:
+        cycles: (cycles, points per cycle) any unit.
+        teeth, harmonics, count: see `sidebands`.
+
+    Raises:
+        InputError: fewer than LEAST_TURNS turns of the gear with more teeth, fewer than 2.5 points in a cycle of the
+            highest line, too many sidebands, no mesh line.
+    """
+    harmonics, count = _settings(teeth, harmonics, count)
+    if len(cycles) < LEAST_TURNS * max(teeth):
+        raise InputError("cycles", f"at least {LEAST_TURNS * max(teeth)}", str(len(cycles)))
+    highest = harmonics + count / min(teeth)
+    if cycles.shape[1] < 2.5 * highest:
+        raise InputError("cycles", f"at least {2.5 * highest:.3g} points each", str(cycles.shape[1]))
     s = np.arange(1, count + 1)[:, None] * np.array([-1.0, 1.0])
     multiples = np.arange(1, harmonics + 1)
     orders = [multiples.astype(np.float64), *(multiples[:, None, None] + s / z for z in teeth)]
-    deviation = turns.values - turns.values.mean()
-    mesh, driver, driven = (_amplitudes(deviation, order) for order in orders)
+    deviation = cycles - cycles.mean()
+    read = _amplitudes(deviation, np.concatenate([order.ravel() for order in orders]))
+    parts = np.split(read, np.cumsum([order.size for order in orders])[:-1])
+    mesh, driver, driven = (part.reshape(order.shape) for part, order in zip(parts, orders, strict=True))
     weakest, rms = float(mesh.min()), float(np.std(deviation))
     if weakest <= LEAST_LINE * rms:
         raise InputError("x", f"lines at 1..{harmonics} mesh orders", f"{weakest:.3g} of {rms:.3g} rms at one of them")
-    apart = 2.0 / turns.turns
+    apart = 2.0 / len(cycles)
     return Sidebands(mesh, driver, driven, _alone(teeth, count, apart), _alone(teeth[::-1], count, apart))
 
 
@@ -118,6 +139,14 @@ def sideband_energy_ratio(amplitudes: Array, mesh: Array) -> Array:
     return ratio
 
 
+def _settings(teeth: tuple[int, int], harmonics: int, count: int) -> tuple[int, int]:
+    harmonics, count = checked.whole("harmonics", harmonics, 1), checked.whole("count", count, 1)
+    for number in teeth:
+        if checked.whole("teeth", number, 3) < 2 * count:
+            raise InputError("count", f"at most half of {number} teeth", str(count))
+    return harmonics, count
+
+
 def _alone(teeth: tuple[int, int], count: int, apart: float) -> npt.NDArray[np.bool_]:
     """Sidebands of the first gear that keep a distance from all of the second.
 
@@ -129,16 +158,18 @@ def _alone(teeth: tuple[int, int], count: int, apart: float) -> npt.NDArray[np.b
 
 
 def _amplitudes(deviation: Array, orders: Array) -> Array:
-    """Amplitudes at the orders; `deviation` is (cycles, points in a cycle).
+    """Amplitudes at the orders (orders,); `deviation` is (cycles, points in a cycle).
 
     With phi = 2 pi (c + m / points) the sum over all points is one over cycles, a product of matrices, and then one
     over the points of a cycle.
     """
     window = hann(deviation.size)
     weighted = deviation * window.reshape(deviation.shape)
-    angle = -2.0 * np.pi * orders.reshape(-1, 1)
     cycles, points = (np.arange(size) for size in deviation.shape)
-    over_cycles = np.cos(angle * cycles) @ weighted + 1j * (np.sin(angle * cycles) @ weighted)
-    sums = np.sum(over_cycles * np.exp(1j * angle * points / points.size), axis=1)
-    amplitudes: Array = 2.0 * np.abs(sums).reshape(orders.shape) / float(window.sum())
+    # whole orders turn once more in each cycle: only their fraction counts there
+    over_cycles = np.exp(-2j * np.pi * np.outer(np.mod(orders, 1.0), cycles))
+    sums = np.concatenate([over_cycles.real, over_cycles.imag]) @ weighted
+    inside = np.exp(-2j * np.pi * np.outer(orders, points / points.size))
+    total = np.sum((sums[: orders.size] + 1j * sums[orders.size :]) * inside, axis=1)
+    amplitudes: Array = 2.0 * np.abs(total) / float(window.sum())
     return amplitudes

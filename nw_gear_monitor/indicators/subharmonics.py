@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from nw_gear_monitor.indicators.mesh_harmonics import line_amplitudes
+from nw_gear_monitor.indicators.mesh_harmonics import DIVISORS, mesh_lines
 from nw_gear_monitor.indicators.window import Column, Indicator, MeshWindow
-
-DIVISORS = (2, 3, 4)
 
 
 def _compute(window: MeshWindow) -> tuple[float, ...]:
-    return line_amplitudes(window.phase, window.x, [1.0 / n for n in DIVISORS])
+    return window.once(mesh_lines)[: len(DIVISORS)]
 
 
 INDICATOR = Indicator(

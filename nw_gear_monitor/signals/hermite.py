@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numba
 import numpy as np
-import numpy.typing as npt
 
 from nw_gear_common.tables import Array
 
@@ -55,6 +54,69 @@ def _interpolate(position: Array, x: Array, v: Array, step: float, value: Array,
             derivative[p, c] = slope
 
 
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _polynomials() -> Array:
+    """Coefficients (2, 4, 8) of the wide basis: of x (0) and v (1) at each node, of the powers of s."""
+    out = np.zeros((2, 4, 8))
+    for i in range(4):
+        lagrange, slope = np.zeros(4), 0.0
+        lagrange[0] = 1.0
+        degree = 0
+        for k in range(4):
+            if k == i:
+                continue
+            gap = float(i - k)
+            slope += 1.0 / gap
+            for p in range(degree + 1, -1, -1):
+                below = lagrange[p - 1] if p > 0 else 0.0
+                lagrange[p] = (below - (k - 1.0) * lagrange[p]) / gap
+            degree += 1
+        square = np.zeros(8)
+        for a in range(4):
+            for b in range(4):
+                square[a + b] += lagrange[a] * lagrange[b]
+        node = i - 1.0
+        for p in range(8):
+            below = square[p - 1] if p > 0 else 0.0
+            out[1, i, p] = below - node * square[p]
+            out[0, i, p] = square[p] - 2.0 * slope * out[1, i, p]
+    return out
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _values(position: Array, x: Array, v: Array, step: float, value: Array) -> None:
+    basis = _polynomials()
+    weights = np.empty((4, 4))
+    last = x.shape[0] - 2
+    for p in range(position.size):
+        i = min(max(int(np.floor(position[p])), 0), last)
+        s = position[p] - i
+        low, high = 0, 4
+        if 1 <= i < last:
+            for node in range(4):
+                for kind in range(2):
+                    c = basis[kind, node]
+                    total = c[7]
+                    for power in range(6, -1, -1):
+                        total = total * s + c[power]
+                    weights[kind, node] = total
+        else:
+            _basis(s, False, weights)
+            low, high = 1, 3
+        for c in range(x.shape[1]):
+            total = 0.0
+            for k in range(low, high):
+                total += weights[0, k] * x[i + k - 1, c] + weights[1, k] * step * v[i + k - 1, c]
+            value[p, c] = total
+
+
+def values(position: Array, x: Array, v: Array, step: float) -> Array:
+    """The displacement alone of `interpolate`, (points, channels): a few times as fast."""
+    value = np.empty((position.size, x.shape[1]))
+    _values(np.ascontiguousarray(position), np.ascontiguousarray(x), np.ascontiguousarray(v), step, value)
+    return value
+
+
 def interpolate(position: Array, x: Array, v: Array, step: float) -> tuple[Array, Array]:
     """Interpolate displacement and velocity at fractional sample numbers.
 
@@ -86,6 +148,20 @@ def crossings(phase: Array, targets: Array) -> Array:
     Returns:
         (points,) positions in samples.
     """
-    i = np.clip(np.searchsorted(phase, targets, side="right") - 1, 0, phase.size - 2)
-    position: npt.NDArray[np.float64] = i + (targets - phase[i]) / (phase[i + 1] - phase[i])
+    found: Array = _crossings(np.ascontiguousarray(phase), np.ascontiguousarray(targets))
+    return found
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _crossings(phase: Array, targets: Array) -> Array:
+    """Walks along the phase: targets that grow, as they mostly do, cost a step each."""
+    position = np.empty(targets.size)
+    last = phase.size - 2
+    i = 0
+    for k in range(targets.size):
+        if targets[k] < phase[i]:
+            i = 0
+        while i < last and phase[i + 1] <= targets[k]:
+            i += 1
+        position[k] = i + (targets[k] - phase[i]) / (phase[i + 1] - phase[i])
     return position

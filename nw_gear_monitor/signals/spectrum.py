@@ -6,10 +6,12 @@ bins it reads up to 15 % less (scalloping). Lines at known orders: see `indicato
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from nw_gear_common.tables import Array
-from nw_gear_monitor.signals.hermite import crossings, interpolate
+from nw_gear_monitor.signals.hermite import crossings, values
 
 ORDER_CYCLES = 256
 """Mesh cycles in one order spectrum; the step of the common grid is 1/256 of a mesh order."""
@@ -18,9 +20,11 @@ LEAST_CYCLES = 16
 """With fewer cycles than this an order spectrum says nothing."""
 
 
+@lru_cache(maxsize=32)
 def hann(size: int) -> Array:
-    """Periodic Hann window, shape (size,)."""
+    """Periodic Hann window, shape (size,); kept for the next call, so it can't be written to."""
     window: Array = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(size) / size)
+    window.flags.writeable = False
     return window
 
 
@@ -69,7 +73,7 @@ def order_spectrum(phase: Array, x: Array, v: Array, step: float) -> Array:
     segments = 1 + (whole - cycles) // hop
     total = cycles + hop * (segments - 1)
     targets = phase[-1] - 2.0 * np.pi * np.arange(total * per_cycle, 0, -1) / per_cycle
-    resampled, _ = interpolate(crossings(phase, targets), x, v, step)
+    resampled = values(crossings(phase, targets), x, v, step)
     window = hann(cycles * per_cycle)[:, None]
     power = np.zeros((grid, x.shape[1]))
     for segment in range(segments):
