@@ -45,7 +45,10 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=["setuptools", *RUNTIME],
-    extras_require={"test": ["pytest", "hypothesis", "rosbags"]},  # without a pytest here `colcon test` runs no test
+    extras_require={
+        "cluster": ["distributed"],  # studies on a Dask cluster
+        "test": ["pytest", "hypothesis", "rosbags"],  # without a pytest here `colcon test` runs no test
+    },
     zip_safe=False,
     maintainer="nw_gear maintainers",
     maintainer_email="maintainers@users.noreply.nw-gear.example",
