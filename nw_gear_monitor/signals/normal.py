@@ -16,12 +16,14 @@ from which a window composes amplitude curves that are smooth on the scale of a 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numba
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
-from scipy.linalg import solve_triangular
+from scipy.linalg import LinAlgError, cholesky, solve_triangular
+from scipy.linalg.blas import dsyrk
 
 from nw_gear_common.tables import Array
 from nw_gear_monitor.signals.comb import PARTS, Comb, Twelfths, multiples, spaced
@@ -34,6 +36,10 @@ STEADY = 5e-4
 FREE_APART = 3.0
 """Free lines closer than this are taken once (Hz)."""
 RATE_DEGREE = 4
+LEAST_DIAGONAL = 1e-6
+"""Smallest over largest entry on R's diagonal that Cholesky's way is trusted with."""
+PIECE = 1280
+"""Samples whose columns are formed at a time: about 5 MB."""
 NODES, WEIGHTS = legendre.leggauss(5)
 """Where speed and load are known inside a second (tau), and the weights to integrate over it."""
 
@@ -76,66 +82,97 @@ class NormalSecond:
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _powers(angle: float, coarse: npt.NDArray[np.complex128], fine: npt.NDArray[np.complex128]) -> None:
-    """exp(i k angle) into `coarse` and exp(i k angle / PARTS) into `fine`."""
-    coarse[0] = 1.0
-    fine[0] = 1.0
-    unit = complex(np.cos(angle), np.sin(angle))
-    part = complex(np.cos(angle / PARTS), np.sin(angle / PARTS))
-    for k in range(1, coarse.size):
-        coarse[k] = coarse[k - 1] * unit
-    for k in range(1, fine.size):
-        fine[k] = fine[k - 1] * part
+def _turned(re: Array, im: Array, by_re: Array, by_im: Array, sign: float, out_re: Array, out_im: Array) -> None:
+    """Multiply by unit numbers, or by their conjugates where the sign is -1; all (samples,)."""
+    for i in range(re.size):
+        a, b = re[i], im[i]
+        c, d = by_re[i], sign * by_im[i]
+        out_re[i] = a * c - b * d
+        out_im[i] = a * d + b * c
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _powers(phase: Array, parts: float, count: int) -> Array:
+    """Cosine (0) and sine (1) of k phase / parts for k = 0 .. count - 1, shape (2, count, samples)."""
+    out = np.empty((2, count, phase.size))
+    out[0, 0] = 1.0
+    out[1, 0] = 0.0
+    if count > 1:
+        for i in range(phase.size):
+            angle = phase[i] / parts
+            out[0, 1, i] = np.cos(angle)
+            out[1, 1, i] = np.sin(angle)
+    for k in range(2, count):
+        _turned(out[0, k - 1], out[1, k - 1], out[0, 1], out[1, 1], 1.0, out[0, k], out[1, k])
+    return out
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _design(
-    phase: Array, tau: Array, lines: npt.NDArray[np.int64], modulated: int, reach: tuple[int, int], out: Array
+    phase: Array, tau: Array, lines: npt.NDArray[np.int64], modulated: int, reach: int, fractions: bool, out: Array
 ) -> None:
-    coarse = np.empty((3, reach[0] + 1), dtype=np.complex128)
-    fine = np.empty((3, reach[1] + 1), dtype=np.complex128)
-    steady = 2 * SHAPES * modulated
-    for row in range(phase.shape[0]):
-        t = tau[row]
-        square = 0.5 * (3.0 * t * t - 1.0)
-        for stage in range(3):
-            _powers(phase[row, stage], coarse[stage], fine[stage])
-        for line in range(lines.shape[0]):
-            z = complex(1.0, 0.0)
-            for stage in range(3):
-                parts = lines[line, stage]
-                if parts == 0:
-                    continue
-                size = abs(parts)
-                factor = coarse[stage, size // PARTS] if size % PARTS == 0 else fine[stage, size]
-                z *= factor if parts > 0 else factor.conjugate()
-            if line < modulated:
-                at = 2 * SHAPES * line
-                out[row, at], out[row, at + 1], out[row, at + 2] = z.real, z.real * t, z.real * square
-                out[row, at + 3], out[row, at + 4], out[row, at + 5] = z.imag, z.imag * t, z.imag * square
-            else:
-                at = steady + 2 * (line - modulated)
-                out[row, at], out[row, at + 1] = z.real, z.imag
+    """Fill `out`, (columns, samples); `phase` is (stages, samples)."""
+    size, stages = tau.size, phase.shape[0]
+    whole = [_powers(phase[stage], 1.0, reach + 1) for stage in range(stages)]
+    parts = [_powers(phase[stage], float(PARTS), PARTS if fractions else 1) for stage in range(stages)]
+    square = 0.5 * (3.0 * tau * tau - 1.0)
+    re, im = np.empty(size), np.empty(size)
+    for line in range(lines.shape[0]):
+        re[:] = 1.0
+        im[:] = 0.0
+        for stage in range(stages):
+            number = abs(lines[line, stage])
+            sign = 1.0 if lines[line, stage] > 0 else -1.0
+            if number // PARTS > 0:
+                table, at = whole[stage], number // PARTS
+                _turned(re, im, table[0, at], table[1, at], sign, re, im)
+            if number % PARTS > 0:
+                table, at = parts[stage], number % PARTS
+                _turned(re, im, table[0, at], table[1, at], sign, re, im)
+        if line < modulated:
+            at = 2 * SHAPES * line
+            for i in range(size):
+                out[at, i] = re[i]
+                out[at + 1, i] = re[i] * tau[i]
+                out[at + 2, i] = re[i] * square[i]
+                out[at + 3, i] = im[i]
+                out[at + 4, i] = im[i] * tau[i]
+                out[at + 5, i] = im[i] * square[i]
+        else:
+            at = 2 * SHAPES * modulated + 2 * (line - modulated)
+            out[at] = re
+            out[at + 1] = im
+
+
+@lru_cache(maxsize=16)
+def _plan(comb: Comb) -> tuple[npt.NDArray[np.int64], int, bool, int]:
+    """A comb's lines (lines, stages), their highest whole multiple, whether there are fractions, number of columns."""
+    lines = np.array(comb.lines, dtype=np.int64).reshape(len(comb.lines), -1)
+    modulated = len(comb.modulated)
+    columns = 2 * SHAPES * modulated + 2 * (len(lines) - modulated)
+    return lines, int(np.max(np.abs(lines), initial=0)) // PARTS, bool(np.any(lines % PARTS)), columns
+
+
+def _fill(phase: Array, tau: Array, comb: Comb, out: Array) -> None:
+    lines, reach, fractions, _ = _plan(comb)
+    turned = np.ascontiguousarray(np.mod(phase, 2.0 * np.pi * PARTS).T)
+    _design(turned, tau, lines, len(comb.modulated), reach, fractions, out)
 
 
 def design(phase: Array, tau: Array, comb: Comb) -> Array:
     """Cosine and sine columns of a comb.
 
     Args:
-        phase: (samples, 3) unwrapped mesh phases of planet 1, rad.
+        phase: (samples, stages) unwrapped mesh phases of planet 1, rad.
         tau: (samples,) time within the second, -1 to 1.
         comb: its modulated lines take 6 columns each (cosine and sine times three shapes), the others 2.
 
     Returns:
         (samples, columns).
     """
-    lines = np.array(comb.lines, dtype=np.int64).reshape(-1, 3)
-    whole = lines % PARTS == 0
-    reach = int(np.max(np.abs(lines)[whole], initial=0)) // PARTS, int(np.max(np.abs(lines)[~whole], initial=0))
-    modulated = len(comb.modulated)
-    out = np.empty((len(phase), 2 * SHAPES * modulated + 2 * (len(lines) - modulated)))
-    _design(np.mod(phase, 2.0 * np.pi * PARTS), tau, lines, modulated, reach, out)
-    return out
+    out = np.empty((_plan(comb)[3], len(phase)))
+    _fill(phase, np.ascontiguousarray(tau), comb, out)
+    return out.T
 
 
 def relative_time(time: Array, start: float) -> Array:
@@ -158,7 +195,7 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
     """Form one second's normal equations.
 
     Args:
-        time: (samples,) s; phase: (samples, 3) rad; x: (samples, channels) m.
+        time: (samples,) s; phase: (samples, stages) rad; x: (samples, channels) m.
         start: beginning of the second, s.
         comb: the lines.
     """
@@ -167,15 +204,16 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
     rate = np.asarray(2.0 * legendre.legval(NODES, slope).T, dtype=np.float64)
     free = _apart(comb.free, rate.mean(axis=0), len(time))
     degree = FREE_DEGREE if np.ptp(rate[:, 0]) > STEADY * abs(rate[:, 0].mean()) else 0
-    q, r = np.linalg.qr(settled_columns(phase, tau, free, degree))
-    columns = design(phase, tau, comb)
-    projection, overlap = q.T @ x, q.T @ columns
-    flat = x - q @ projection
+    settled = settled_columns(phase, tau, free, degree)
+    r = _triangle(settled)
+    projection, flat = _projected(settled, r, x)
+    gram, across, moment = _products(phase, tau, comb, settled, flat)
+    overlap = solve_triangular(r, across, trans="T", check_finite=False)
     trend = TREND_DEGREE + 1
     rest = np.sum(flat * flat, axis=0)
     return NormalSecond(
-        gram=columns.T @ columns - overlap.T @ overlap,
-        moment=columns.T @ flat,
+        gram=gram - overlap.T @ overlap,
+        moment=moment,
         energy=rest + np.sum(projection[trend:] ** 2, axis=0),
         rest=rest,
         samples=len(time),
@@ -187,6 +225,44 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
         overlap=overlap,
         projection=projection,
     )
+
+
+def _triangle(columns: Array) -> Array:
+    """R of the decomposition W = Q R: by Cholesky of W^T W, which these nearly orthogonal columns allow, else by QR."""
+    try:
+        r: Array = cholesky(columns.T @ columns, check_finite=False)
+    except LinAlgError:
+        r = np.linalg.qr(columns, mode="r")
+    diagonal = np.abs(np.diag(r))
+    if not diagonal.min() > LEAST_DIAGONAL * diagonal.max():
+        r = np.linalg.qr(columns, mode="r")
+    return r
+
+
+def _projected(columns: Array, r: Array, x: Array) -> tuple[Array, Array]:
+    """Q^T x, and x without its part in W = Q R; in two rounds, so that a large mean leaves no rounding behind."""
+    projection, rest = np.zeros((columns.shape[1], x.shape[1])), x
+    for _ in range(2):
+        part = solve_triangular(r, columns.T @ rest, trans="T", check_finite=False)
+        rest = rest - columns @ solve_triangular(r, part, check_finite=False)
+        projection += part
+    return projection, rest
+
+
+def _products(phase: Array, tau: Array, comb: Comb, settled: Array, flat: Array) -> tuple[Array, Array, Array]:
+    """A^T A, W^T A and A^T x in one product of a matrix with itself, a piece of the second at a time."""
+    own, outside = _plan(comb)[3], settled.shape[1]
+    size = own + outside + flat.shape[1]
+    total = np.zeros((size, size), order="F")
+    for first in range(0, len(tau), PIECE):
+        rows = slice(first, first + PIECE)
+        piece = np.empty((size, len(tau[rows])))
+        _fill(phase[rows], np.ascontiguousarray(tau[rows]), comb, piece[:own])
+        piece[own : own + outside] = settled[rows].T
+        piece[own + outside :] = flat[rows].T
+        total = dsyrk(1.0, piece.T, 1.0, total, trans=1, lower=1, overwrite_c=1)
+    gram = np.tril(total[:own, :own])
+    return gram + np.tril(gram, -1).T, total[own : own + outside, :own], total[own + outside :, :own].T
 
 
 def _apart(lines: tuple[Twelfths, ...], rate: Array, samples: int) -> tuple[Twelfths, ...]:
