@@ -122,11 +122,7 @@ class GearSimNode(Node):
             with self._ticking:  # between two ticks
                 if not self._session.begun:
                     raise InputError("checkpoint", "a run that has begun", "none yet")
-                values = {
-                    **self._session.checkpoint(),
-                    **self._waveform.pending(self._origin),
-                    **self._sensing.checkpoint(),
-                }
+                values = self._session.checkpoint() | self._waveform.pending(self._origin) | self._sensing.checkpoint()
             write_checkpoint(Path(path), self._resolved, values)
             response.success, response.message = True, path
         except InputError as error:
@@ -159,7 +155,7 @@ class GearSimNode(Node):
             self._sensing.compile()
             while not self._stop and self._run_epoch():
                 self.get_logger().info("reset: a new epoch begins")
-            if not self._stop and not self._waveform.flush():
+            if not self._stop and not (self._waveform.flush() and self._sensing.flush()):
                 self.get_logger().warning("the last blocks were not acknowledged by every subscriber")
             self._stop()
         except NwGearError as error:

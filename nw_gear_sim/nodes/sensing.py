@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray
 
@@ -22,8 +23,9 @@ from nw_gear_sim.sensors.path import housings_of
 from nw_gear_sim.sensors.tacho import Tacho
 
 DEPTH = 100
-_ACCELERATION, _TACHO, _PENDING = "sensors.acceleration.", "sensors.tacho.", "sensors.pending"
-_COLUMNS = "sensors.columns"
+ACKNOWLEDGE_WITHIN = 3.0
+_ACCELERATION, _TACHO = "sensors.acceleration.", "sensors.tacho."
+_PENDING, _COLUMNS, _SHAFT = "sensors.pending", "sensors.columns", "sensors.shaft"
 
 
 def wanted(settings: Settings) -> bool:
@@ -85,6 +87,7 @@ class Sensing:
             out |= {_PENDING: self._accelerometers.pending.copy(), _COLUMNS: ",".join(self._accelerometers.columns)}
         if self._tacho is not None:
             out |= {_TACHO + name: value for name, value in self._tacho.inner.state().items()}
+            out[_SHAFT] = self._tacho.shaft
         return out
 
     def restore(self, values: Mapping[str, Any]) -> None:
@@ -96,7 +99,15 @@ class Sensing:
         if self._accelerometers is not None:
             self._accelerometers.restore(values)
         if self._tacho is not None:
+            if values.get(_SHAFT) != self._tacho.shaft:
+                got = str(values.get(_SHAFT, "nothing"))
+                raise InputError(f"checkpoint: {_SHAFT}", self._tacho.shaft, got)
             self._tacho.inner.restore(_part(values, _TACHO))
+
+    def flush(self) -> bool:
+        """Wait until every subscriber has acknowledged everything."""
+        publishers = [part.publisher for part in (self._accelerometers, self._tacho) if part is not None]
+        return all(publisher.wait_for_all_acked(Duration(seconds=ACKNOWLEDGE_WITHIN)) for publisher in publishers)
 
     def report(self, seconds: float) -> None:
         """Say in /diagnostics whether the accelerometers can show what they feel."""
@@ -114,7 +125,8 @@ class Acceleration:
     """Collects samples of the accelerometers until a block is full, then publishes it.
 
     Attributes:
-        inner: the sensors; columns: of the table; pending: (rows, columns) that wait, times since the run's start.
+        inner: the sensors; columns: of the table; pending: (rows, columns) that wait, times since the run's start;
+            publisher: of the topic.
     """
 
     def __init__(self, node: Node, bearings: tuple[str, ...], inner: Accelerometers, rate: float) -> None:
@@ -124,7 +136,7 @@ class Acceleration:
             raise InputError("parameter acceleration_rate", expected, f"{rate:g} Hz")
         self.inner = inner
         self.columns = names.acceleration_columns(bearings)
-        self._publisher = node.create_publisher(Float64MultiArray, names.ACCELERATION, live_qos(DEPTH))
+        self.publisher = node.create_publisher(Float64MultiArray, names.ACCELERATION, live_qos(DEPTH))
         self._bearings = [names.BEARINGS.index(b) for b in bearings]
         self._rate, self._rows = rate, int(rows)
         self.pending = np.empty((0, len(self.columns)))
@@ -139,7 +151,7 @@ class Acceleration:
         while len(self.pending) >= self._rows:
             table = self.pending[: self._rows].copy()
             table[:, 0] += start
-            self._publisher.publish(to_message(Table(names.ROW_SAMPLE, self.columns, table)))
+            self.publisher.publish(to_message(Table(names.ROW_SAMPLE, self.columns, table)))
             self.pending = self.pending[self._rows :]
 
     def drop(self) -> None:
@@ -169,19 +181,19 @@ class Acceleration:
 
 
 class Pulses:
-    """Publishes the pulses of a tacho. `inner`: finds them."""
+    """Publishes the pulses of a tacho; `inner` finds them on a `shaft`, `publisher` is that of the topic."""
 
     def __init__(self, node: Node, shaft: str, pulses: int) -> None:
         self.inner = Tacho(pulses)
-        self._shaft = names.SHAFTS.index(shaft)
-        self._publisher = node.create_publisher(Float64MultiArray, names.TACHO, live_qos(DEPTH))
+        self.shaft, self._column = shaft, names.SHAFTS.index(shaft)
+        self.publisher = node.create_publisher(Float64MultiArray, names.TACHO, live_qos(DEPTH))
 
     def add(self, block: Block, start: float) -> None:
         """Take angles; publish pulses where there are any."""
-        times = self.inner.advance(block.time, block.shaft_angle[:, self._shaft], block.shaft_speed[:, self._shaft])
+        times = self.inner.advance(block.time, block.shaft_angle[:, self._column], block.shaft_speed[:, self._column])
         if times.size:
             table = Table(names.ROW_PULSE, names.TACHO_COLUMNS, (start + times)[:, None])
-            self._publisher.publish(to_message(table))
+            self.publisher.publish(to_message(table))
 
 
 def _bearings(settings: Settings) -> tuple[str, ...]:

@@ -131,6 +131,7 @@ class Accelerometers:
             "waiting": self._waiting.copy(),
             "clipped": self.clipped.copy(),
             "given": self._given,
+            "rate": self._sensor.rate,
             "noise": self._noise.bit_generator.state,
         }
 
@@ -141,6 +142,8 @@ class Accelerometers:
             InputError: it is of other sensors, or incomplete.
         """
         place = "checkpoint: sensors.acceleration"
+        if state.get("rate") != self._sensor.rate:
+            raise InputError(f"{place}.rate", f"{self._sensor.rate:g} Hz", f"{state.get('rate', 'nothing')}")
         try:
             arrays = {
                 name: np.array(state[name], dtype=np.float64) for name in ("force", "motion", "waiting", "clipped")

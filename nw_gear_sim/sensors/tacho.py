@@ -28,7 +28,7 @@ class Tacho:
     """
 
     def __init__(self, pulses: int) -> None:
-        self._pitch = 2.0 * math.pi / pulses
+        self._pulses, self._pitch = pulses, 2.0 * math.pi / pulses
         self._last = np.empty(0)
         self._next = 0
 
@@ -38,14 +38,16 @@ class Tacho:
 
     def state(self) -> dict[str, Any]:
         """Return all that the future depends on."""
-        return {"last": self._last.copy(), "next": self._next}
+        return {"last": self._last.copy(), "next": self._next, "pulses": self._pulses}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Take over what `state` returned.
 
         Raises:
-            InputError: it isn't that.
+            InputError: it isn't that, or of another number of pulses.
         """
+        if state.get("pulses") != self._pulses:
+            raise InputError("checkpoint: sensors.tacho", f"{self._pulses} pulses", str(state.get("pulses", "nothing")))
         last = np.asarray(state.get("last"))
         if last.shape not in ((0,), (3,)) or "next" not in state:
             raise InputError("checkpoint: sensors.tacho", "time, angle and speed of a shaft", f"shape {last.shape}")

@@ -194,6 +194,8 @@ def test_the_state_of_other_sensors_is_refused() -> None:
     saved = Accelerometers([HOUSING], QUIET, FORCE_RATE, 2).state()
     with pytest.raises(InputError, match="channels"):
         Accelerometers([HOUSING, OTHER], QUIET, FORCE_RATE, 2).restore(saved)
+    with pytest.raises(InputError, match="rate: expected 2560 Hz, got 5120"):
+        Accelerometers([HOUSING], sensor(rate=2560.0), FORCE_RATE, 2).restore(saved)
     for name in saved:
         with pytest.raises(InputError, match="checkpoint"):
             Accelerometers([HOUSING], QUIET, FORCE_RATE, 2).restore({k: v for k, v in saved.items() if k != name})

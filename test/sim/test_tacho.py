@@ -84,6 +84,8 @@ def test_a_checkpoint_goes_on_bit_for_bit() -> None:
     assert expected.size > 200
     assert np.array_equal(second.advance(rest, angle(rest), speed(rest)), expected)
     with pytest.raises(InputError, match="tacho"):
-        second.restore({"last": np.zeros(2), "next": 3})
+        second.restore({"last": np.zeros(2), "next": 3, "pulses": 60})
+    with pytest.raises(InputError, match="expected 1 pulses, got 60"):
+        Tacho(1).restore(first.state())
     second.forget()
     assert second.advance(time, angle(time), speed(time))[0] < 0.01
