@@ -1,0 +1,1 @@
+"""Baselines learned per operating bin and alarms against them; pure but for `store`, which reads and writes files."""
