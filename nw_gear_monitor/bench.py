@@ -15,11 +15,12 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.benchmarking import Figure, Part, calls_for, cpu_seconds
 from nw_gear_common.tables import Array, Table
-from nw_gear_monitor.gearing import Gearing, gearing
+from nw_gear_monitor.gearing import gearing
 from nw_gear_monitor.indicators import registry
 from nw_gear_monitor.indicators.tonal_share import tonal_share
 from nw_gear_monitor.indicators.window import Indicator, LineResult, MeshWindow
 from nw_gear_monitor.indicators.zero_one import zero_one
+from nw_gear_monitor.machine import Machine
 from nw_gear_monitor.pipeline import Pipeline, Windows
 from nw_gear_sim import config as configurations
 
@@ -93,7 +94,7 @@ def _figures(timings: dict[str, Timing]) -> list[Figure]:
     return lines
 
 
-def _tasks(gears: Gearing) -> dict[str, tuple[Callable[[], object], Array]]:
+def _tasks(gears: Machine) -> dict[str, tuple[Callable[[], object], Array]]:
     """Return for each indicator a call and the displacement it is about."""
     table = _signal(gears, Windows().spectrum_seconds)
     phase, x, v = (
@@ -136,7 +137,7 @@ def _milliseconds(function: Callable[[], object], seconds: float, repeats: int) 
     return 1e3 * cpu_seconds(several, repeats) / calls
 
 
-def _hops(gears: Gearing, seconds: int) -> list[float]:
+def _hops(gears: Machine, seconds: int) -> list[float]:
     """Return the CPU time (s) of each second of a signal in a monitor that has been warmed up."""
     table = _signal(gears, seconds)
     rows = RATE // names.WAVEFORM_BLOCKS_PER_SECOND
@@ -152,7 +153,7 @@ def _hops(gears: Gearing, seconds: int) -> list[float]:
     return spent
 
 
-def _signal(gears: Gearing, seconds: float) -> Table:
+def _signal(gears: Machine, seconds: float) -> Table:
     """Return a waveform of lines at the mesh frequencies of all stages, and a little noise."""
     columns = names.waveform_columns(())
     moments = np.arange(round(seconds * RATE) + 1) / RATE

@@ -1,47 +1,64 @@
-"""What the monitor has to know of the gearbox it watches: frequency ratios, planet phases, rated speed."""
+"""The built-in gearbox as a machine to watch: everything follows from its configuration."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-
 from nw_gear_common import names
-from nw_gear_common.tables import Array
-from nw_gear_sim.kinematics import derive
+from nw_gear_monitor.indicators.bearing_orders import of_gearbox
+from nw_gear_monitor.machine import Bearing, Channel, Machine, Shaft, Stage
+from nw_gear_sim.kinematics import SHAFT_OF_BEARING, Kinematics, bearing_kind, derive
 from nw_gear_sim.params import Configuration
 
-
-@dataclass(frozen=True, eq=False)
-class Gearing:
-    """Numbers that follow from the configuration.
-
-    Attributes:
-        rated_frequency: (3,) mesh frequencies of the stages at rated speed, Hz.
-        planet_phase: what the mesh phase of each mesh has more than that of its stage's planet 1, rad.
-    """
-
-    rated_frequency: Array
-    planet_phase: dict[str, float]
-
-    @property
-    def ratios(self) -> Array:
-        """Mesh frequencies over that of stage I, shape (3,)."""
-        ratios: Array = self.rated_frequency / self.rated_frequency[0]
-        return ratios
+NAME = "NW gearbox"
 
 
-def gearing(configuration: Configuration) -> Gearing:
-    """Derive the gearing from a configuration.
+def gearing(configuration: Configuration) -> Machine:
+    """Describe the gearbox of a configuration.
 
     Raises:
         InputError: the gearbox can't be assembled.
     """
     derived = derive(configuration)
-    frequency = [derived.mesh_frequency_hz(stage, configuration.turbine.rated_speed) for stage in names.STAGES]
-    phases = {
-        mesh: derived.stage(stage).planet_phases[j]
-        for stage in names.STAGES
-        for j, mesh in enumerate(names.MESHES_OF_STAGE[stage])
-    }
-    return Gearing(np.array(frequency), phases)
+    return Machine(
+        NAME, _stages(derived, configuration), _channels(derived), _shafts(configuration), _bearings(configuration)
+    )
+
+
+def _stages(derived: Kinematics, configuration: Configuration) -> tuple[Stage, ...]:
+    speed = configuration.turbine.rated_speed
+    stages = []
+    for name in names.STAGES:
+        stage = derived.stage(name)
+        teeth = (stage.pair.driver.teeth, stage.pair.driven.teeth)
+        frequency = derived.mesh_frequency_hz(name, speed)
+        stages.append(Stage(name, f"phase_{name}", 1.0, frequency, teeth, stage.mesh.backlash))
+    return tuple(stages)
+
+
+def _channels(derived: Kinematics) -> tuple[Channel, ...]:
+    channels = []
+    for stage in names.STAGES:
+        for j, mesh in enumerate(names.MESHES_OF_STAGE[stage]):
+            phase = derived.stage(stage).planet_phases[j]
+            channels.append(Channel(mesh, stage, f"x_{mesh}", f"v_{mesh}", "m", j + 1, phase))
+    return tuple(channels)
+
+
+def _shafts(configuration: Configuration) -> tuple[Shaft, ...]:
+    gears = configuration.gears
+    return (
+        Shaft("ring", "I", gears.ring.teeth),
+        Shaft("planet", "I", gears.planet_1.teeth),
+        Shaft("sun", "II", gears.sun.teeth),
+        Shaft("output", "III", gears.herringbone_2.teeth),
+    )
+
+
+def _bearings(configuration: Configuration) -> tuple[Bearing, ...]:
+    orders = of_gearbox(configuration)
+    bearings = []
+    for name in names.BEARINGS:
+        kind = bearing_kind(name)
+        rollers = getattr(configuration.bearings, kind).rollers
+        columns = (f"fx_{name}", f"fy_{name}")
+        bearings.append(Bearing(name, SHAFT_OF_BEARING[kind], columns, "N", rollers, orders[kind]))
+    return tuple(bearings)

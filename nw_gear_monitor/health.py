@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from nw_gear_common import names
 from nw_gear_monitor.labelling import StageReport
+from nw_gear_monitor.machine import Bearing, Machine
 from nw_gear_monitor.pipeline import BearingForce, Hop
 from nw_gear_monitor.signals.stream import Continuity
 from nw_gear_monitor.stage_state import Evidence
@@ -50,10 +51,10 @@ def level_of(label: str) -> int:
     return WARN if label == names.CHAOTIC or label in names.PERIODS[1:] else OK
 
 
-def stage_statuses(hop: Hop) -> list[Status]:
+def stage_statuses(hop: Hop, machine: Machine) -> list[Status]:
     """One entry per stage and per bearing."""
-    stages = [_stage(stage, report, hop) for stage, report in hop.stages.items()]
-    return stages + [_bearing(bearing, force) for bearing, force in hop.bearings.items()]
+    stages = [_stage(stage, report, hop, machine) for stage, report in hop.stages.items()]
+    return stages + [_bearing(b, hop.bearings[b.name]) for b in machine.bearings if b.name in hop.bearings]
 
 
 def stale(statuses: list[Status], silent_seconds: float) -> list[Status]:
@@ -62,9 +63,9 @@ def stale(statuses: list[Status], silent_seconds: float) -> list[Status]:
     return [replace(s, level=STALE, label=names.STALE, reason=reason, values={}) for s in statuses]
 
 
-def waiting(topic: str) -> list[Status]:
+def waiting(topic: str, machine: Machine) -> list[Status]:
     """The entries of the stages before the first second."""
-    return [Status(f"stage {s}", OK, names.UNKNOWN, f"no whole second of {topic} yet") for s in names.STAGES]
+    return [Status(f"stage {s}", OK, names.UNKNOWN, f"no whole second of {topic} yet") for s in machine.stage_names]
 
 
 def stream_status(now: Continuity, before: Continuity) -> Status:
@@ -86,16 +87,17 @@ def stream_status(now: Continuity, before: Continuity) -> Status:
     return Status("stream", WARN if news else OK, "", "; ".join(news) or "contiguous", values)
 
 
-def _stage(stage: str, report: StageReport, hop: Hop) -> Status:
-    values = {} if report.evidence is None else _values(report.evidence)
+def _stage(stage: str, report: StageReport, hop: Hop, machine: Machine) -> Status:
+    unit = machine.channel(machine.members[stage][0]).unit
+    values = {} if report.evidence is None else _values(report.evidence, unit)
     values["state of this window"] = report.window_state.label
-    for mesh in names.MESHES_OF_STAGE[stage]:
-        rms = hop.indicators[mesh].column("rms")[0]
-        values[f"rms {mesh} (m)"] = f"{rms:.4g}"
+    for channel in machine.members[stage]:
+        rms = hop.indicators[channel].column("rms")[0]
+        values[f"rms {channel} ({unit})"] = f"{rms:.4g}"
     return Status(f"stage {stage}", level_of(report.state.label), report.state.label, report.state.reason, values)
 
 
-def _values(e: Evidence) -> dict[str, str]:
+def _values(e: Evidence, unit: str) -> dict[str, str]:
     found = f"f_{e.subharmonic_stage}/{e.subharmonic_order}" if e.subharmonic_stage else "none"
     return {
         "window (s)": str(e.seconds),
@@ -110,11 +112,14 @@ def _values(e: Evidence) -> dict[str, str]:
         "speed spread (1)": f"{e.speed_spread:.4g}",
         "fastest speed change (1/s)": f"{e.speed_rate:.4g}",
         "load spread (1)": f"{e.load_spread:.4g}",
-        "deviation (m)": f"{e.deviation:.4g}",
+        f"deviation ({unit})": f"{e.deviation:.4g}",
     }
 
 
-def _bearing(bearing: str, force: BearingForce) -> Status:
-    values = {"mean (N)": f"{force.mean:.6g}", "rms (N)": f"{force.rms:.6g}", "peak (N)": f"{force.peak:.6g}"}
-    reason = f"force {force.mean / 1e3:.4g} kN; a bearing carries no state of its own"
-    return Status(f"bearing {bearing}", OK, names.UNKNOWN, reason, values)
+def _bearing(bearing: Bearing, force: BearingForce) -> Status:
+    unit = bearing.unit
+    numbers = {"mean": force.mean, "rms": force.rms, "peak": force.peak}
+    values = {f"{name} ({unit})": f"{number:.6g}" for name, number in numbers.items()}
+    level = f"force {force.mean / 1e3:.4g} kN" if unit == "N" else f"rms {force.rms:.4g} {unit}"
+    reason = f"{level}; a bearing carries no state of its own"
+    return Status(f"bearing {bearing.name}", OK, names.UNKNOWN, reason, values)

@@ -8,20 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from nw_gear_common import names
-from nw_gear_monitor.gearing import Gearing
-from nw_gear_monitor.indicators.explained_lines import CHANNELS, Explained, LineExplainer, LineSecond
-from nw_gear_monitor.indicators.line_residual import STROBES_PER_CYCLE, line_residual, strobes
+from nw_gear_monitor.indicators.explained_lines import Explained, LineExplainer, LineSecond
+from nw_gear_monitor.indicators.line_residual import line_residual, strobes
 from nw_gear_monitor.indicators.tonal_share import tonal_share
 from nw_gear_monitor.indicators.window import LineResult
 from nw_gear_monitor.indicators.zero_one import zero_one
+from nw_gear_monitor.machine import Machine
 from nw_gear_monitor.signals import decimate
 from nw_gear_monitor.signals.history import History
 from nw_gear_monitor.stage_state import LEAST_SECONDS, REGULAR_RHO, Evidence, Persistence, State, judge
 
 ZERO_ONE_STROBES = 1500
-X_COLUMNS = tuple(f"x_{mesh}" for mesh in names.MESHES)
-V_COLUMNS = tuple(f"v_{mesh}" for mesh in names.MESHES)
-PHASE_COLUMNS = tuple(f"phase_{stage}" for stage in names.STAGES)
 
 
 @dataclass(frozen=True)
@@ -34,18 +31,18 @@ class StageReport:
 
 
 class Labeller:
-    """Labels the stages of one gearbox, second by second.
+    """Labels the stages of one machine, second by second.
 
     Args:
-        gearing: of the gearbox.
+        machine: what is watched.
         seconds: length of the window, s.
     """
 
-    def __init__(self, gearing: Gearing, seconds: int) -> None:
-        self._gearing = gearing
-        self._explainer = LineExplainer(gearing.ratios)
+    def __init__(self, machine: Machine, seconds: int) -> None:
+        self._machine = machine
+        self._explainer = LineExplainer(machine.rated_frequency, machine.places)
         self._window: deque[LineSecond] = deque(maxlen=seconds)
-        self._persistence = {stage: Persistence() for stage in names.STAGES}
+        self._persistence = {stage: Persistence() for stage in machine.stage_names}
 
     def flush(self, reason: str) -> dict[str, StageReport]:
         """Drop the window (gap, standstill, reset); every stage is unknown from now on."""
@@ -54,8 +51,8 @@ class Labeller:
         return {stage: StageReport(p.reset(state), state, None) for stage, p in self._persistence.items()}
 
     def add(self, history: History) -> tuple[dict[str, StageReport], dict[str, LineResult]]:
-        """Take in the newest second of the history; returns the stages' states and the meshes' numbers."""
-        self._window.append(_line_second(history))
+        """Take in the newest second of the history; returns the stages' states and the channels' numbers."""
+        self._window.append(_line_second(self._machine, history))
         seconds = len(self._window)
         if seconds < LEAST_SECONDS:
             state = State(names.UNKNOWN, f"{seconds} of at least {LEAST_SECONDS} s seen")
@@ -63,65 +60,69 @@ class Labeller:
         explained = self._explainer.explain(list(self._window))
         reports: dict[str, StageReport] = {}
         numbers: dict[str, LineResult] = {}
-        for stage in names.STAGES:
+        for stage in self._machine.stage_names:
             tau, unlisted, k = self._residual_tests(stage, explained, history)
-            evidence = _evidence(stage, explained, history, (tau, unlisted, k))
+            evidence = self._evidence(stage, explained, history, (tau, unlisted, k))
             state = judge(stage, evidence)
             reports[stage] = StageReport(self._persistence[stage].add(state), state, evidence)
-            for mesh in names.MESHES_OF_STAGE[stage]:
-                numbers[mesh] = LineResult(explained.mesh_rho(mesh), tau, k)
+            for place in self._machine.places[stage]:
+                rho = explained.channel_rho(place)
+                numbers[self._machine.channel_names[place]] = LineResult(rho, tau, k)
         return reports, numbers
 
     def _residual_tests(self, stage: str, explained: Explained, history: History) -> tuple[float, float, float]:
-        """Tonal share, order of the strongest unlisted line and K of the stage's mesh with the largest residual."""
+        """Tonal share, order of the strongest unlisted line and K of the stage's channel with the largest residual."""
         if not explained.rho[stage] > REGULAR_RHO:
             return float("nan"), 0.0, float("nan")
-        channel = max(CHANNELS[stage], key=lambda c: explained.fit.residual[c])
-        mesh = names.MESHES[channel]
-        seconds = len(self._window)
-        columns = history.select(("time", *PHASE_COLUMNS, f"x_{mesh}", f"v_{mesh}"), seconds)
-        own = columns[:, 1 + names.STAGES.index(stage)] + self._gearing.planet_phase[mesh]
-        per_cycle = STROBES_PER_CYCLE[stage]
+        machine = self._machine
+        channel = max(machine.places[stage], key=lambda c: explained.fit.residual[c])
+        watched = machine.channels[channel]
+        wanted = ("time", *machine.phase_columns, machine.x_columns[channel], machine.v_columns[channel])
+        columns = history.select(wanted, len(self._window))
+        time, phase, x, v = columns[:, 0], columns[:, 1:-2], columns[:, -2], columns[:, -1]
+        own = phase[:, machine.stage_names.index(stage)] + watched.planet_phase
+        per_cycle = machine.stage(stage).strobes
         starts = np.array([second.start for second in self._window])
-        rest = line_residual(
-            explained.fit, starts, columns[:, 0], columns[:, 1:4], own, columns[:, 4], columns[:, 5], channel, per_cycle
-        )
+        rest = line_residual(explained.fit, starts, time, phase, own, x, v, channel, per_cycle)
         tau, cycles_per_point, _ = tonal_share(rest)
         return tau, cycles_per_point * per_cycle, zero_one(strobes(rest, per_cycle)[-ZERO_ONE_STROBES:])
 
+    def _evidence(
+        self, stage: str, explained: Explained, history: History, tests: tuple[float, float, float]
+    ) -> Evidence:
+        channels = self._machine.places[stage]
+        seconds = len(explained.fit.modulation.maps)
+        samples = history.newest.rate * seconds
+        found = explained.subharmonic
+        tau, unlisted, k = tests
+        level = max(float(np.max(np.abs(history.newest.column(self._machine.x_columns[c])))) for c in channels)
+        return Evidence(
+            seconds=seconds,
+            rho=explained.rho[stage],
+            tau=tau,
+            k=k,
+            subharmonic_stage=self._machine.stage_names[found[0]] if found else "",
+            subharmonic_order=found[1] if found else 1,
+            subharmonic_share=explained.shares[stage],
+            unlisted_order=unlisted,
+            deviation=float(np.sqrt(np.mean(explained.fit.energy[channels]) / samples)),
+            level=level,
+            speed_spread=explained.fit.modulation.speed_spread,
+            speed_rate=explained.fit.modulation.speed_rate,
+            load_spread=explained.fit.modulation.load_spread,
+            lines=explained.fit.lines,
+        )
 
-def _line_second(history: History) -> LineSecond:
+
+def _line_second(machine: Machine, history: History) -> LineSecond:
     second = history.newest
     every = decimate.factor(second.rate)
     half = decimate.half_length(every)
-    wanted = ("time", *PHASE_COLUMNS, *X_COLUMNS)
+    wanted = ("time", *machine.phase_columns, *machine.x_columns)
     rows = len(second.data) + 2 * half
     data = history.select(wanted, 2 if half else 1)[-rows:]
-    x = decimate.decimate(data[:, 4:], every)
+    first = 1 + len(machine.stages)
+    x = decimate.decimate(data[:, first:], every)
     centres = data[half : half + every * len(x) : every]
-    return LineSecond(float(second.start), second.rate / every, centres[:, 0], centres[:, 1:4], np.ascontiguousarray(x))
-
-
-def _evidence(stage: str, explained: Explained, history: History, tests: tuple[float, float, float]) -> Evidence:
-    channels = CHANNELS[stage]
-    seconds = len(explained.fit.modulation.maps)
-    samples = history.newest.rate * seconds
-    found = explained.subharmonic
-    tau, unlisted, k = tests
-    level = max(float(np.max(np.abs(history.newest.column(X_COLUMNS[c])))) for c in channels)
-    return Evidence(
-        seconds=seconds,
-        rho=explained.rho[stage],
-        tau=tau,
-        k=k,
-        subharmonic_stage=names.STAGES[found[0]] if found else "",
-        subharmonic_order=found[1] if found else 1,
-        subharmonic_share=explained.shares[stage],
-        unlisted_order=unlisted,
-        deviation=float(np.sqrt(np.mean(explained.fit.energy[channels]) / samples)),
-        level=level,
-        speed_spread=explained.fit.modulation.speed_spread,
-        speed_rate=explained.fit.modulation.speed_rate,
-        load_spread=explained.fit.modulation.load_spread,
-        lines=explained.fit.lines,
-    )
+    time, phase = centres[:, 0], centres[:, 1:first]
+    return LineSecond(float(second.start), second.rate / every, time, phase, np.ascontiguousarray(x))

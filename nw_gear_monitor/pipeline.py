@@ -13,10 +13,10 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.quantities import quantity
 from nw_gear_common.tables import Array, Table
-from nw_gear_monitor.gearing import Gearing
 from nw_gear_monitor.indicators import registry
 from nw_gear_monitor.indicators.window import LineResult, MeshWindow
-from nw_gear_monitor.labelling import PHASE_COLUMNS, V_COLUMNS, X_COLUMNS, Labeller, StageReport
+from nw_gear_monitor.labelling import Labeller, StageReport
+from nw_gear_monitor.machine import AXES, Machine
 from nw_gear_monitor.signals.history import History
 from nw_gear_monitor.signals.section import section
 from nw_gear_monitor.signals.spectrum import ORDER_CYCLES, amplitude_spectrum, order_spectrum, orders
@@ -75,19 +75,20 @@ class Hop:
 
 
 class Pipeline:
-    """The monitor of one gearbox.
+    """The monitor of one machine.
 
     Args:
-        gearing: frequency ratios, planet phases, rated speed.
+        machine: its stages, channels, shafts and bearings.
         windows: their lengths.
     """
 
-    def __init__(self, gearing: Gearing, windows: Windows | None = None) -> None:
-        self._gearing = gearing
+    def __init__(self, machine: Machine, windows: Windows | None = None) -> None:
+        self._machine = machine
         self._windows = windows if windows is not None else Windows()
-        self._stream = Stream()
-        self._history = History(max(self._windows.label_seconds, self._windows.spectrum_seconds) + 1)
-        self._labeller = Labeller(gearing, self._windows.label_seconds)
+        self._stream = Stream(machine.layout)
+        seconds = max(self._windows.label_seconds, self._windows.spectrum_seconds) + 1
+        self._history = History(seconds, machine.derived)
+        self._labeller = Labeller(machine, self._windows.label_seconds)
 
     @property
     def continuity(self) -> Continuity:
@@ -110,7 +111,7 @@ class Pipeline:
 
         A block that can't be read is counted in `continuity` and dropped.
         """
-        return [self._hop(second) for second in self._stream.feed(table)]
+        return [self._hop(self._machine.inside(second)) for second in self._stream.feed(table)]
 
     def _hop(self, second: Second) -> Hop:
         restarted = self._history.append(second)
@@ -128,17 +129,18 @@ class Pipeline:
             turning=turning,
             spectrum=self._spectrum() if filled else None,
             orders=self._orders() if filled and turning else None,
-            sections={stage: self._section(stage) for stage in names.STAGES} if turning else {},
+            sections={stage: self._section(stage) for stage in self._machine.stage_names} if turning else {},
             indicators=self._indicators(second.start + 1.0, numbers, filled),
             stages=stages,
-            bearings=_bearings(second),
+            bearings=self._bearings(second),
         )
 
     def _turns(self, second: Second) -> bool:
-        phase = second.column(PHASE_COLUMNS[0])
+        columns = self._machine.phase_columns
+        phase = second.column(columns[0])
         frequency = (phase[-1] - phase[0]) * second.rate / (2.0 * np.pi * (phase.size - 1))
-        grows = all(bool(np.all(np.diff(second.column(name)) > 0)) for name in PHASE_COLUMNS)
-        return grows and bool(frequency > STANDSTILL * self._gearing.rated_frequency[0])
+        grows = all(bool(np.all(np.diff(second.column(name)) > 0)) for name in columns)
+        return grows and bool(frequency > STANDSTILL * self._machine.rated_frequency[0])
 
     def _latest(self, columns: tuple[str, ...]) -> Array:
         """The newest spectrum window: a fixed number of samples, however many fell into each second."""
@@ -146,60 +148,66 @@ class Pipeline:
         return self._history.select(columns, seconds + 1)[-round(seconds * self._history.newest.rate) :]
 
     def _spectrum(self) -> Table:
-        frequency, amplitude = amplitude_spectrum(self._latest(X_COLUMNS), self._history.newest.rate)
-        return Table(names.ROW_BIN, ("frequency", *names.MESHES), np.column_stack([frequency, amplitude]))
+        frequency, amplitude = amplitude_spectrum(self._latest(self._machine.x_columns), self._history.newest.rate)
+        return Table(
+            names.ROW_BIN, ("frequency", *self._machine.channel_names), np.column_stack([frequency, amplitude])
+        )
 
     def _orders(self) -> Table | None:
         grid = orders()
-        columns = [grid[:, None]]
+        columns = np.empty((grid.size, 1 + len(self._machine.channels)))
+        columns[:, 0] = grid
         rate = self._history.newest.rate
-        for index, stage in enumerate(names.STAGES):
-            meshes = names.MESHES_OF_STAGE[stage]
-            newest = self._history.newest.column(PHASE_COLUMNS[index])
+        for own, (stage, meshes) in zip(self._machine.phase_columns, self._machine.members.items(), strict=True):
+            newest = self._history.newest.column(own)
             frequency = (newest[-1] - newest[0]) * rate / (2.0 * np.pi * (newest.size - 1))
             seconds = max(int(np.ceil(ORDER_CYCLES / frequency)) + 1, self._windows.spectrum_seconds)
-            wanted = (PHASE_COLUMNS[index], *(f"{axis}_{mesh}" for axis in ("x", "v") for mesh in meshes))
+            wanted = (own, *(f"{axis}_{mesh}" for axis in ("x", "v") for mesh in meshes))
             data = self._history.select(wanted, seconds)
             if not np.all(np.diff(data[:, 0]) > 0):
                 return None
             x, v = data[:, 1 : 1 + len(meshes)], data[:, 1 + len(meshes) :]
-            columns.append(order_spectrum(data[:, 0], x, v, 1.0 / rate))
-        return Table(names.ROW_ORDER, ("order", *names.MESHES), np.column_stack(columns))
+            columns[:, 1 + np.array(self._machine.places[stage])] = order_spectrum(data[:, 0], x, v, 1.0 / rate)
+        return Table(names.ROW_ORDER, ("order", *self._machine.channel_names), columns)
 
     def _section(self, stage: str) -> Table:
         newest = self._history.newest
-        index = names.STAGES.index(stage)
-        data = self._history.select(("time", *PHASE_COLUMNS, *X_COLUMNS, *V_COLUMNS), 2)
+        members = self._machine.members[stage]
+        own = (f"{axis}_{name}" for name in members for axis in ("x", "v"))
+        data = self._history.select(("time", f"phase_{stage}", *own), 2)
         rows = len(newest.data)
         data = data[-(rows + SECTION_MARGIN) :]
         low = 1.0 if len(data) > rows else 0.0
         parts = []
-        for planet, mesh in enumerate(names.MESHES_OF_STAGE[stage], start=1):
-            channel = names.MESHES.index(mesh)
-            phase = data[:, 1 + index] + self._gearing.planet_phase[mesh]
-            x, v = data[:, 4 + channel], data[:, 4 + len(names.MESHES) + channel]
+        for number, name in enumerate(members):
+            channel = self._machine.channel(name)
+            phase = data[:, 1] + channel.planet_phase
+            x, v = data[:, 2 + 2 * number], data[:, 3 + 2 * number]
             points = section(data[:, 0], phase, x, v, self._windows.section_phase, low, len(data) - 3.0)
-            parts.append(np.column_stack([points[:, 0], np.full(len(points), float(planet)), points[:, 1:]]))
+            parts.append(np.column_stack([points[:, 0], np.full(len(points), float(channel.planet)), points[:, 1:]]))
         merged = np.concatenate(parts)
         return Table(names.ROW_POINT, names.SECTION_COLUMNS, merged[np.argsort(merged[:, 0], kind="stable")])
 
     def _indicators(self, time: float, numbers: dict[str, LineResult], filled: bool) -> dict[str, Table]:
         if not filled:
-            return {mesh: registry.evaluate(time, None) for mesh in names.MESHES}
-        data = self._latest((*PHASE_COLUMNS, *X_COLUMNS, *V_COLUMNS))
+            return {name: registry.evaluate(time, None) for name in self._machine.channel_names}
+        machine = self._machine
+        data = self._latest((*machine.phase_columns, *machine.x_columns, *machine.v_columns))
+        stages, channels = len(machine.stages), len(machine.channels)
         tables = {}
-        for channel, mesh in enumerate(names.MESHES):
-            phase = data[:, names.STAGES.index(names.STAGE_OF_MESH[mesh])] + self._gearing.planet_phase[mesh]
-            x, v = data[:, 3 + channel].copy(), data[:, 3 + len(names.MESHES) + channel].copy()
-            window = MeshWindow(mesh, self._history.newest.rate, phase, x, v, numbers.get(mesh))
-            tables[mesh] = registry.evaluate(time, window)
+        for number, channel in enumerate(machine.channels):
+            phase = data[:, machine.stage_names.index(channel.stage)] + channel.planet_phase
+            x, v = data[:, stages + number].copy(), data[:, stages + channels + number].copy()
+            window = MeshWindow(channel.name, self._history.newest.rate, phase, x, v, numbers.get(channel.name))
+            tables[channel.name] = registry.evaluate(time, window)
         return tables
 
-
-def _bearings(second: Second) -> dict[str, BearingForce]:
-    forces = {}
-    for bearing in names.BEARINGS:
-        if f"fx_{bearing}" in second.columns and f"fy_{bearing}" in second.columns:
-            size = np.hypot(second.column(f"fx_{bearing}"), second.column(f"fy_{bearing}"))
-            forces[bearing] = BearingForce(float(size.mean()), float(size.std()), float(size.max()))
-    return forces
+    def _bearings(self, second: Second) -> dict[str, BearingForce]:
+        forces = {}
+        for bearing in self._machine.bearings:
+            own = [f"{axis}_{bearing.name}" for axis, _ in zip(AXES, bearing.columns, strict=False)]
+            if all(name in second.columns for name in own):
+                parts = [second.column(name) for name in own]
+                size = np.hypot(*parts) if len(parts) > 1 else np.abs(parts[0])
+                forces[bearing.name] = BearingForce(float(size.mean()), float(size.std()), float(size.max()))
+        return forces

@@ -6,18 +6,20 @@ import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.tables import Table
-from nw_gear_monitor.gearing import Gearing
+from nw_gear_monitor.machine import Machine
 from nw_gear_monitor.pipeline import Pipeline
 from nw_gear_monitor.stage_state import LEAST_SECONDS
 
 RATE = 640
 
 
-def warm_up(gearing: Gearing) -> None:
+def warm_up(machine: Machine) -> None:
     """Feed a noise of a little more than the shortest labelled window through a pipeline of its own."""
     samples = RATE * LEAST_SECONDS + 1
-    columns = names.waveform_columns(())
+    layout = machine.layout
+    columns = ("time", *layout.phases, *layout.values)
     data = 1e-6 * np.random.default_rng(0).standard_normal((samples, len(columns)))
     data[:, 0] = np.arange(samples) / RATE
-    data[:, 1:4] = 2.0 * np.pi * np.outer(data[:, 0], gearing.rated_frequency)
-    Pipeline(gearing).feed(Table(names.ROW_SAMPLE, columns, data))
+    turns = [next(s.frequency / s.cycles for s in machine.stages if s.phase == phase) for phase in layout.phases]
+    data[:, 1 : 1 + len(turns)] = 2.0 * np.pi * np.outer(data[:, 0], turns)
+    Pipeline(machine).feed(Table(names.ROW_SAMPLE, columns, data))

@@ -7,11 +7,11 @@ LEAST_SHARE of the variance and LEAST_PART of rho, stage s repeats after n mesh 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from nw_gear_common import names
 from nw_gear_common.tables import Array
 from nw_gear_monitor.signals import comb as combs
 from nw_gear_monitor.signals.comb import Comb, Subharmonic
@@ -20,7 +20,6 @@ from nw_gear_monitor.signals.normal import NormalSecond, normal_second
 
 LEAST_SHARE = 0.005
 LEAST_PART = 0.2
-CHANNELS = {stage: [names.MESHES.index(mesh) for mesh in names.MESHES_OF_STAGE[stage]] for stage in names.STAGES}
 
 
 @dataclass(eq=False)
@@ -30,7 +29,7 @@ class LineSecond:
     Attributes:
         start: beginning, s.
         rate: samples per second, Hz.
-        time: (samples,) s; phase: (samples, 3) rad; x: (samples, 7) m in the order of names.MESHES.
+        time: (samples,) s; phase: (samples, stages) rad; x: (samples, channels).
     """
 
     start: float
@@ -65,70 +64,72 @@ class Explained:
     subharmonic: Subharmonic | None
     shares: dict[str, float]
 
-    def mesh_rho(self, mesh: str) -> float:
-        """Residual over total variance of one mesh; NaN without variance."""
-        channel = names.MESHES.index(mesh)
+    def channel_rho(self, channel: int) -> float:
+        """Residual over total variance of one channel; NaN without variance."""
         return _ratio(self.fit.residual[channel : channel + 1], self.fit.energy[channel : channel + 1])
 
 
 class LineExplainer:
-    """Fits windows of one gearbox.
+    """Fits windows of one machine.
 
     Args:
-        ratios: (3,) mesh frequencies over that of stage I.
+        frequency: (stages,) nominal mesh frequencies, Hz.
+        places: stage -> numbers of its channels, in the order of the stages.
     """
 
-    def __init__(self, ratios: Array) -> None:
-        self._ratios = ratios
-        self.base = combs.base(ratios)
+    def __init__(self, frequency: Array, places: Mapping[str, list[int]]) -> None:
+        self._ratios = frequency / frequency[0]
+        self._places = places
+        self.base = combs.base(self._ratios)
         self._refined: dict[Subharmonic, Comb] = {}
 
     def explain(self, window: list[LineSecond]) -> Explained:
         """Fit the base comb; where a subharmonic is found, fit again with the comb rebuilt on it."""
         rate = window[-1].rate
         first = fit([second.normal(self.base) for second in window], self.base, rate)
-        found = _best(first)
+        found = self._best(first)
         if found is None:
-            return Explained(first, _rho(first), None, dict.fromkeys(names.STAGES, 0.0))
+            return Explained(first, self._rho(first), None, dict.fromkeys(self._places, 0.0))
         if found not in self._refined:
             self._refined[found] = combs.refined(self.base, self._ratios, found)
         comb = self._refined[found]
         second_fit = fit([second.normal(comb) for second in window], comb, rate)
-        return Explained(second_fit, _rho(second_fit), found, _by_stage(first, first.candidates[found]))
+        return Explained(second_fit, self._rho(second_fit), found, self._by_stage(first, first.candidates[found]))
 
+    def _best(self, first: LineFit) -> Subharmonic | None:
+        """The candidate that explains the largest part of rho in a stage, if it passes; 4 is tried where 2 passed."""
+        rho = self._rho(first)
+        parts: dict[Subharmonic, float] = {}
+        for candidate, gain in first.candidates.items():
+            shares = self._by_stage(first, gain)
+            passed = [
+                shares[stage] / rho[stage] for stage in self._places if shares[stage] > LEAST_SHARE and rho[stage] > 0
+            ]
+            parts[candidate] = max(passed, default=0.0)
+        best = max((c for c in parts if c[1] != 4), key=lambda c: parts[c])
+        if parts[best] <= LEAST_PART:
+            return None
+        stage, divisor = best
+        if divisor == 2 and self._adds_to_two(first, stage, rho):
+            return stage, 4
+        return best
 
-def _best(first: LineFit) -> Subharmonic | None:
-    """The candidate that explains the largest part of rho in some stage, if it passes; 4 is tried where 2 passed."""
-    rho = _rho(first)
-    parts: dict[Subharmonic, float] = {}
-    for candidate, gain in first.candidates.items():
-        shares = _by_stage(first, gain)
-        passed = [
-            shares[stage] / rho[stage] for stage in names.STAGES if shares[stage] > LEAST_SHARE and rho[stage] > 0
-        ]
-        parts[candidate] = max(passed, default=0.0)
-    best = max((c for c in parts if c[1] != 4), key=lambda c: parts[c])
-    if parts[best] <= LEAST_PART:
-        return None
-    stage, divisor = best
-    if divisor == 2 and _adds_to_two(first, stage, rho):
-        return stage, 4
-    return best
+    def _adds_to_two(self, first: LineFit, stage: int, rho: dict[str, float]) -> bool:
+        """Whether quarters explain enough of what the halves leave."""
+        halves, quarters = (
+            self._by_stage(first, first.candidates[stage, 2]),
+            self._by_stage(first, first.candidates[stage, 4]),
+        )
+        left = {name: max(rho[name] - halves[name], 1e-12) for name in self._places}
+        return any(quarters[name] > LEAST_SHARE and quarters[name] > LEAST_PART * left[name] for name in self._places)
 
+    def _by_stage(self, first: LineFit, gain: Array) -> dict[str, float]:
+        return {
+            stage: _ratio(gain[c] * first.energy[c], first.energy[c], nothing=0.0) for stage, c in self._places.items()
+        }
 
-def _adds_to_two(first: LineFit, stage: int, rho: dict[str, float]) -> bool:
-    """Whether quarters explain enough of what the halves leave."""
-    halves, quarters = _by_stage(first, first.candidates[stage, 2]), _by_stage(first, first.candidates[stage, 4])
-    left = {name: max(rho[name] - halves[name], 1e-12) for name in names.STAGES}
-    return any(quarters[name] > LEAST_SHARE and quarters[name] > LEAST_PART * left[name] for name in names.STAGES)
-
-
-def _by_stage(first: LineFit, gain: Array) -> dict[str, float]:
-    return {stage: _ratio(gain[c] * first.energy[c], first.energy[c], nothing=0.0) for stage, c in CHANNELS.items()}
-
-
-def _rho(done: LineFit) -> dict[str, float]:
-    return {stage: _ratio(done.residual[c], done.energy[c]) for stage, c in CHANNELS.items()}
+    def _rho(self, done: LineFit) -> dict[str, float]:
+        return {stage: _ratio(done.residual[c], done.energy[c]) for stage, c in self._places.items()}
 
 
 def _ratio(part: Array, whole: Array, nothing: float = float("nan")) -> float:

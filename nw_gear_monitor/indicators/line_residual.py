@@ -9,9 +9,6 @@ from nw_gear_monitor.signals.hermite import crossings, interpolate
 from nw_gear_monitor.signals.linefit import LineFit
 from nw_gear_monitor.signals.normal import relative_time
 
-STROBES_PER_CYCLE = {"I": 16, "II": 4, "III": 2}
-"""Residual points per mesh cycle of the stage: about 400 to 650 a second at rated speed."""
-
 
 def line_residual(
     done: LineFit,
@@ -29,7 +26,7 @@ def line_residual(
     Args:
         done: the fit of this window.
         starts: (seconds,) beginnings of its seconds, s.
-        time: (samples,) s; phase: (samples, 3) rad of planet 1; x, v: (samples,) m, m/s of the mesh.
+        time: (samples,) s; phase: (samples, stages) rad of planet 1; x, v: (samples,) m, m/s of the mesh.
         own: (samples,) mesh phase to strobe on, rad.
         channel: number of the mesh.
         per_cycle: points per cycle of `own`.
@@ -44,7 +41,7 @@ def line_residual(
     value, _ = interpolate(position, x[:, None], v[:, None], (time[-1] - time[0]) / (time.size - 1))
     samples = np.arange(time.size)
     moments = np.interp(position, samples, time)
-    phases = np.column_stack([np.interp(position, samples, phase[:, stage]) for stage in range(3)])
+    phases = np.column_stack([np.interp(position, samples, phase[:, stage]) for stage in range(phase.shape[1])])
     which = np.clip(np.searchsorted(starts, moments, side="right") - 1, 0, starts.size - 1)
     pieces = []
     for second, start in enumerate(starts):

@@ -87,14 +87,14 @@ class GearMonitorNode(Node):
         super().__init__(name, **kwargs)
         self._stop = stop
         self._settings = declare_parameters(self, Settings)
-        self._gearing = gearing(config.load(self._settings.config or None))
-        self._pipeline = Pipeline(self._gearing, self._settings)
-        self._publishing = Publishing(self)
+        self._machine = gearing(config.load(self._settings.config or None))
+        self._pipeline = Pipeline(self._machine, self._settings)
+        self._publishing = Publishing(self, self._machine)
         self._blocks: queue.SimpleQueue[Float64MultiArray | None] = queue.SimpleQueue()
         self._reset = threading.Event()
         self._computation = Computation()
         self._reported = Continuity()
-        self._statuses = health.waiting(self._settings.waveform_topic)
+        self._statuses = health.waiting(self._settings.waveform_topic, self._machine)
         self._heard = time.monotonic()
         self._next_quiet_report = self._heard + self._settings.stale_after
         self.create_service(Trigger, "~/reset", self._on_reset)
@@ -124,7 +124,7 @@ class GearMonitorNode(Node):
 
     def _work(self) -> None:
         try:
-            warm_up(self._gearing)
+            warm_up(self._machine)
             topic = self._settings.waveform_topic
             subscription = self.create_subscription(
                 Float64MultiArray, topic, self._on_waveform, live_qos(WAVEFORM_DEPTH)
@@ -167,7 +167,7 @@ class GearMonitorNode(Node):
 
     def _publish(self, hop: Hop) -> None:
         self._publishing.tables(hop)
-        self._statuses = health.stage_statuses(hop)
+        self._statuses = health.stage_statuses(hop, self._machine)
         self._publish_diagnostics(self._statuses, hop.time)
         self._next_quiet_report = time.monotonic() + self._settings.stale_after
 

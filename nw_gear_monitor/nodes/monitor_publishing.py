@@ -9,6 +9,7 @@ from nw_gear_common import names
 from nw_gear_common.diagnostics import ERROR, OK, STALE, WARN, Diagnostics
 from nw_gear_common.ros import live_qos, to_message
 from nw_gear_monitor.health import Status
+from nw_gear_monitor.machine import Machine
 from nw_gear_monitor.pipeline import Hop
 
 DEPTH = 20
@@ -16,12 +17,17 @@ LEVELS = (OK, WARN, ERROR, STALE)
 
 
 class Publishing:
-    """The publishers of the monitor."""
+    """The publishers of the monitor.
 
-    def __init__(self, node: Node) -> None:
+    Args:
+        node: that publishes.
+        machine: whose stages and channels have topics.
+    """
+
+    def __init__(self, node: Node, machine: Machine) -> None:
         topics = [names.SPECTRUM, names.ORDERS]
-        topics += [names.section_topic(stage) for stage in names.STAGES]
-        topics += [names.indicators_topic(mesh) for mesh in names.MESHES]
+        topics += [names.section_topic(stage) for stage in machine.stage_names]
+        topics += [names.indicators_topic(mesh) for mesh in machine.channel_names]
         self._tables = {topic: node.create_publisher(Float64MultiArray, topic, live_qos(DEPTH)) for topic in topics}
         self._diagnostics = Diagnostics(node)
 

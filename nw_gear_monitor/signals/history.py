@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from nw_gear_common.tables import Array
+from nw_gear_monitor.signals.differences import derivative
 from nw_gear_monitor.signals.stream import Second
 
 
 class History:
-    """The last `capacity` contiguous seconds."""
+    """The last `capacity` contiguous seconds.
 
-    def __init__(self, capacity: int) -> None:
+    Args:
+        capacity: how many.
+        derived: column that isn't in the seconds -> column whose derivative it is.
+    """
+
+    def __init__(self, capacity: int, derived: Mapping[str, str] | None = None) -> None:
         self._seconds: deque[Second] = deque(maxlen=capacity)
+        self._derived = derived or {}
 
     def __len__(self) -> int:
         return len(self._seconds)
@@ -44,5 +51,9 @@ class History:
 
     def select(self, columns: Sequence[str], seconds: int) -> Array:
         """Named columns of the latest seconds, an array (samples, len(columns))."""
-        where = [self.newest.columns.index(name) for name in columns]
-        return np.concatenate([second.data[:, where] for second in self.last(seconds)])
+        where = [self.newest.columns.index(self._derived.get(name, name)) for name in columns]
+        data = np.concatenate([second.data[:, where] for second in self.last(seconds)])
+        made = [i for i, name in enumerate(columns) if name in self._derived]
+        if made:
+            data[:, made] = derivative(data[:, made], self.newest.rate)
+        return data

@@ -26,7 +26,20 @@ only 2.4e-7 s, 0.5 % of a block of two samples at 20 kHz, so that a measured rat
 LEAST_ROWS = 2
 """A block of one sample tells no sample rate."""
 
-REQUIRED = ("time", *(f"phase_{stage}" for stage in names.STAGES))
+
+@dataclass(frozen=True)
+class Layout:
+    """Columns that a waveform has to have, besides `time`; their order doesn't matter.
+
+    Attributes:
+        phases: unwrapped phases, rad.
+        cycles: mesh cycles per turn of each (the largest, where several stages follow it).
+        values: everything else.
+    """
+
+    phases: tuple[str, ...]
+    cycles: tuple[float, ...]
+    values: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,9 +87,14 @@ class Continuity:
 
 
 class Stream:
-    """Collects blocks and gives out whole seconds."""
+    """Collects blocks and gives out whole seconds.
 
-    def __init__(self) -> None:
+    Args:
+        layout: the columns that it looks at.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
         self.continuity = Continuity()
         self.epoch = 0
         self.columns: tuple[str, ...] = ()
@@ -94,7 +112,7 @@ class Stream:
 
     def feed(self, table: Table) -> list[Second]:
         """Take one block in and return the seconds that became whole with it, oldest first."""
-        problem = malformed(table)
+        problem = malformed(table, self._layout)
         if problem:
             self.continuity.malformed += 1
             self.continuity.last_malformed = problem
@@ -123,13 +141,14 @@ class Stream:
 
     def _split(self, data: Array) -> list[Array | None]:
         """Cut a block where its samples are not contiguous (None), at the joint to the last block too; count breaks."""
-        phases = [self.columns.index(name) for name in REQUIRED]
-        joined = data[:, phases] if self._tail is None else np.vstack([self._tail[:, phases], data[:, phases]])
+        watched = [self.columns.index(name) for name in ("time", *self._layout.phases)]
+        joined = data[:, watched] if self._tail is None else np.vstack([self._tail[:, watched], data[:, watched]])
         offset = len(joined) - len(data)
         interval = 1.0 / self.rate if not self._needs_rate else _interval(data)
         steps = np.diff(joined[:, 0])
         broken = np.abs(steps - interval) > STEP_TOLERANCE * interval
-        jumps = np.any(np.abs(np.diff(joined[:, 1:], n=2, axis=0)) > PHASE_TOLERANCE, axis=1) & ~broken[:-1]
+        bends = np.abs(np.diff(joined[:, 1:], n=2, axis=0)) * np.array(self._layout.cycles)
+        jumps = np.any(bends > PHASE_TOLERANCE, axis=1) & ~broken[:-1]
         jumps[1:] &= ~jumps[:-1]
         broken[1:] |= jumps
         pieces: list[Array | None] = []
@@ -195,11 +214,11 @@ class Stream:
         self.continuity.last_break = reason
 
 
-def malformed(table: Table) -> str:
+def malformed(table: Table, layout: Layout) -> str:
     """Say in words why a table can't be a block of the waveform; an empty text where it can."""
     if table.row != names.ROW_SAMPLE:
         return f"row meaning: expected {names.ROW_SAMPLE}, got {table.row or 'none'}"
-    wanted = (*REQUIRED, *(f"{axis}_{mesh}" for axis in ("x", "v") for mesh in names.MESHES))
+    wanted = ("time", *layout.phases, *layout.values)
     missing = [name for name in wanted if name not in table.columns]
     if missing:
         return f"columns: expected {', '.join(wanted)}, got none named {', '.join(missing)}"

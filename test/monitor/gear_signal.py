@@ -9,7 +9,8 @@ import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.tables import Array, Table
-from nw_gear_monitor.gearing import Gearing, gearing
+from nw_gear_monitor.gearing import gearing
+from nw_gear_monitor.machine import Machine
 from nw_gear_sim import config
 
 RATE = 5120
@@ -23,8 +24,8 @@ Extra = Callable[[Array, Array], Array]
 
 
 @cache
-def paper() -> Gearing:
-    """The gearing of the default configuration."""
+def paper() -> Machine:
+    """The gearbox of the default configuration."""
     return gearing(config.load(None))
 
 

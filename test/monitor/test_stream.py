@@ -5,7 +5,9 @@ import pytest
 
 from nw_gear_common.tables import Table
 from nw_gear_monitor.signals.stream import Stream
-from test.monitor.gear_signal import blocks, waveform
+from test.monitor.gear_signal import blocks, paper, waveform
+
+LAYOUT = paper().layout
 
 WALL = 1.7632e9 + 0.3
 """A stamp near the wall clock, at a fraction of a second; doubles there are 2.4e-7 s apart."""
@@ -27,7 +29,7 @@ def shifted(table, seconds):
 
 
 def test_every_sample_comes_out_once_and_in_whole_seconds(four_seconds):
-    stream = Stream()
+    stream = Stream(LAYOUT)
     seconds = feed(stream, blocks(four_seconds, 256))
     assert [s.start for s in seconds] == [0, 1, 2, 3]
     assert np.array_equal(np.vstack([s.data for s in seconds]), four_seconds.data)
@@ -37,14 +39,14 @@ def test_every_sample_comes_out_once_and_in_whole_seconds(four_seconds):
 
 @pytest.mark.parametrize("rows", [7, 256, 5119, 20480])
 def test_the_cut_into_messages_does_not_matter(four_seconds, rows):
-    reference = feed(Stream(), blocks(four_seconds, 512))
-    seconds = feed(Stream(), blocks(four_seconds, rows))
+    reference = feed(Stream(LAYOUT), blocks(four_seconds, 512))
+    seconds = feed(Stream(LAYOUT), blocks(four_seconds, rows))
     assert [s.start for s in seconds] == [s.start for s in reference]
     assert all(np.array_equal(a.data, b.data) for a, b in zip(seconds, reference, strict=True))
 
 
 def test_stamps_near_the_wall_clock_make_no_gaps(four_seconds):
-    stream = Stream()
+    stream = Stream(LAYOUT)
     seconds = feed(stream, blocks(shifted(four_seconds, WALL)))
     assert [s.start - int(WALL) for s in seconds] == [1, 2, 3]
     assert stream.continuity.gaps == stream.continuity.restarts == 0
@@ -53,7 +55,7 @@ def test_stamps_near_the_wall_clock_make_no_gaps(four_seconds):
 
 
 def test_fast_samples_near_the_wall_clock_make_no_gaps():
-    stream = Stream()
+    stream = Stream(LAYOUT)
     table = shifted(waveform(1.8, rate=40960), WALL)
     assert len(feed(stream, blocks(table, 2048))) == 1
     assert stream.continuity.gaps == stream.continuity.restarts == 0
@@ -63,7 +65,7 @@ def test_fast_samples_near_the_wall_clock_make_no_gaps():
 def test_a_lost_block_is_counted_and_not_bridged(four_seconds):
     pieces = blocks(four_seconds)
     del pieces[30]
-    stream = Stream()
+    stream = Stream(LAYOUT)
     seconds = feed(stream, pieces)
     assert stream.continuity.gaps == 1
     assert stream.continuity.lost_seconds == pytest.approx(0.05, abs=1e-9)
@@ -73,14 +75,14 @@ def test_a_lost_block_is_counted_and_not_bridged(four_seconds):
 
 
 def test_a_single_lost_sample_inside_a_block_is_a_gap(four_seconds):
-    stream = Stream()
+    stream = Stream(LAYOUT)
     feed(stream, [Table("sample", four_seconds.columns, np.delete(four_seconds.data, 700, axis=0))])
     assert stream.continuity.gaps == 1
     assert stream.continuity.lost_seconds == pytest.approx(1 / 5120, rel=1e-6)
 
 
 def test_a_jump_back_in_time_is_a_restart(four_seconds):
-    stream = Stream()
+    stream = Stream(LAYOUT)
     first = feed(stream, blocks(four_seconds)[:50])
     second = feed(stream, blocks(four_seconds))
     assert stream.continuity.restarts == 1
@@ -93,7 +95,7 @@ def test_a_jump_back_in_time_is_a_restart(four_seconds):
 def test_a_jump_of_the_mesh_phase_is_a_restart(four_seconds):
     data = four_seconds.data.copy()
     data[7000:, 1:4] += 1.0
-    stream = Stream()
+    stream = Stream(LAYOUT)
     seconds = feed(stream, blocks(Table("sample", four_seconds.columns, data)))
     assert stream.continuity.restarts == 1
     assert "phase" in stream.continuity.last_break
@@ -101,7 +103,7 @@ def test_a_jump_of_the_mesh_phase_is_a_restart(four_seconds):
 
 
 def test_changed_columns_and_changed_rate_are_restarts(four_seconds):
-    stream = Stream()
+    stream = Stream(LAYOUT)
     feed(stream, blocks(four_seconds)[:25])
     narrower = Table("sample", four_seconds.columns[:-1], four_seconds.data[25 * 256 :, :-1])
     feed(stream, blocks(narrower))
@@ -123,7 +125,7 @@ def test_changed_columns_and_changed_rate_are_restarts(four_seconds):
 )
 def test_a_malformed_block_is_named_and_dropped(four_seconds, spoil, said):
     pieces = blocks(four_seconds)
-    stream = Stream()
+    stream = Stream(LAYOUT)
     seconds = feed(stream, [*pieces[:10], spoil(pieces[10]), *pieces[10:]])
     assert stream.continuity.malformed == 1
     assert said in stream.continuity.last_malformed
