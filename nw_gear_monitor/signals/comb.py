@@ -129,11 +129,15 @@ def spaced(frequency: Array, apart: float, highest: float, taken: Array | None =
         (lines,) bool: a line is kept if it lies between LOWEST_FREQUENCY and `highest` and no kept line is closer.
     """
     keep = np.zeros(frequency.size, dtype=bool)
-    there = [] if taken is None else list(taken)
+    before = 0 if taken is None else len(taken)
+    there = np.empty(before + frequency.size)
+    there[:before] = [] if taken is None else taken
+    count = before
     for i, f in enumerate(frequency):
-        keep[i] = LOWEST_FREQUENCY < f < highest and all(abs(f - other) >= apart for other in there)
+        keep[i] = LOWEST_FREQUENCY < f < highest and not np.any(np.abs(there[:count] - f) < apart)
         if keep[i]:
-            there.append(f)
+            there[count] = f
+            count += 1
     return keep
 
 

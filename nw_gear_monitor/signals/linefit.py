@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_triangular
 
 from nw_gear_common.tables import Array
 from nw_gear_monitor.signals.comb import HIGHEST_FREQUENCY, Comb, Subharmonic, Twelfths, multiples, spaced
@@ -84,9 +84,11 @@ def fit(seconds: list[NormalSecond], comb: Comb, rate: float) -> LineFit:
     wanted, groups = _columns(comb, kept, curves.functions)
     size = np.diag(gram)
     scale = np.where(size > GONE * samples, 1.0 / np.sqrt(np.maximum(size, GONE)), 0.0)
-    gram, moment = gram * scale[:, None] * scale, moment * scale[:, None]
+    gram *= scale[:, None]
+    gram *= scale
+    moment *= scale[:, None]
     factor = _factor(gram[np.ix_(wanted, wanted)])
-    solution = cho_solve(factor, moment[wanted])
+    solution = cho_solve(factor, moment[wanted], check_finite=False)
     left = np.sum([second.rest for second in seconds], axis=0) - np.sum(moment[wanted] * solution, axis=0)
     freedom = max(samples - wanted.size - sum(second.triangle.shape[0] for second in seconds), 1)
     shares = _candidate_shares(gram, moment, wanted, groups, factor, solution, energy)
@@ -102,7 +104,9 @@ def _factor(matrix: Array) -> tuple[Array, bool]:
     """Cholesky factor of a scaled matrix whose columns may be nearly dependent."""
     for ridge in RIDGES:
         with contextlib.suppress(LinAlgError):
-            factor, lower = cho_factor(matrix + ridge * np.eye(len(matrix)), check_finite=False)
+            raised = matrix.T.copy(order="F")
+            raised[np.diag_indices(len(raised))] += ridge
+            factor, lower = cho_factor(raised, overwrite_a=True, check_finite=False)
             return factor, bool(lower)
     raise LinAlgError(f"the line fit's matrix can't be solved even with a ridge of {RIDGES[-1]:g}")
 
@@ -159,20 +163,23 @@ def _candidate_shares(
     solution: Array,
     energy: Array,
 ) -> dict[Subharmonic, Array]:
-    """Share of the energy that each group would explain on top of the fit (block elimination)."""
+    """Share of the energy that each group would explain on top of the fit (block elimination).
+
+    With the fit's matrix U^T U the groups' own matrix is G - Y^T Y, Y = U^-T C, C the products of both.
+    """
+    everything = np.unique(np.concatenate([np.empty(0, dtype=np.intp), *groups.values()]))
+    cross = np.asfortranarray(gram[np.ix_(wanted, everything)])
+    through = solve_triangular(factor[0], cross, trans="T", check_finite=False)
+    rest = gram[np.ix_(everything, everything)] - through.T @ through
+    load = moment[everything] - cross.T @ solution
     shares = {}
     for name, group in groups.items():
         if group.size == 0:
             shares[name] = np.zeros_like(energy)
             continue
-        cross = gram[np.ix_(wanted, group)]
-        rest = (
-            gram[np.ix_(group, group)]
-            - cross.T @ cho_solve(factor, cross, check_finite=False)
-            + RIDGES[1] * np.eye(group.size)
-        )
-        load = moment[group] - cross.T @ solution
-        gain = np.sum(load * np.linalg.solve(rest, load), axis=0)
+        at = np.searchsorted(everything, group)
+        own = rest[np.ix_(at, at)] + RIDGES[1] * np.eye(group.size)
+        gain = np.sum(load[at] * np.linalg.solve(own, load[at]), axis=0)
         shares[name] = gain / np.maximum(energy, 1e-300)
     return shares
 
