@@ -14,7 +14,7 @@ from nw_gear_monitor.alarms.operating import Bin
 
 @dataclass(frozen=True)
 class Progress:
-    """How far learning is: bins seen, those in which every feature that was met there judges, windows learned."""
+    """How far learning is: bins seen, those in which at least one feature judges, windows learned."""
 
     bins: int
     judging: int
@@ -54,7 +54,7 @@ class Baseline:
 
     def progress(self, least: int) -> Progress:
         """How far it is, where a bin judges from `least` independent windows on."""
-        judging = sum(_judges(block, least) for block in self.bins.values())
+        judging = sum(bool(np.any(block[INDEPENDENT] >= least)) for block in self.bins.values())
         windows = sum(int(np.max(block[COUNT], initial=0.0)) for block in self.bins.values())
         return Progress(len(self.bins), judging, windows)
 
@@ -64,11 +64,6 @@ def empty(features: int) -> Array:
     block = np.zeros((STATISTICS, features))
     block[LAST] = np.nan
     return block
-
-
-def _judges(block: Array, least: int) -> bool:
-    seen = block[COUNT] > 0
-    return bool(np.any(seen) and np.all(block[INDEPENDENT, seen] >= least))
 
 
 def _widened(block: Array, features: int) -> Array:

@@ -147,11 +147,11 @@ def _same(a: Any, b: Any) -> bool:
 def _baseline(body: Mapping[str, Any]) -> Baseline:
     baseline = Baseline()
     baseline.frozen = _of_kind(bool, body["frozen"])
-    names = [_of_kind(str, name) for name in body["features"]]
+    names = [_of_kind(str, name) for name in _of_kind(list, body["features"])]
     baseline.columns(names)
     if len(baseline.names) != len(names):
         raise ValueError("a feature twice")
-    for entry in body["bins"]:
+    for entry in _of_kind(list, body["bins"]):
         key = Bin(_of_kind(int, entry["speed"]), _of_kind(int, entry["load"]))
         block = empty(len(names))
         for name, row in ROWS.items():
