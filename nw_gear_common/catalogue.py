@@ -117,6 +117,13 @@ TOPICS = (
         "1 Hz",
     ),
     Topic(
+        names.indicators_topic("<b>"),
+        TABLE,
+        "gear_monitor_node",
+        "table `row`, one row: the same for each bearing in the waveform: force, envelope lines, spectral kurtosis",
+        "1 Hz",
+    ),
+    Topic(
         names.DIAGNOSTICS,
         "diagnostic_msgs/msg/DiagnosticArray",
         "all nodes",

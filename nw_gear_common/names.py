@@ -67,9 +67,9 @@ def section_topic(stage: str) -> str:
     return f"section/{stage}"
 
 
-def indicators_topic(mesh: str) -> str:
-    """Topic of one mesh's indicators."""
-    return f"indicators/{mesh}"
+def indicators_topic(place: str) -> str:
+    """Topic of the indicators of one mesh or bearing."""
+    return f"indicators/{place}"
 
 
 def waveform_columns(bearings: Sequence[str] = WAVEFORM_BEARINGS) -> tuple[str, ...]:

@@ -13,10 +13,9 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.quantities import quantity
 from nw_gear_common.tables import Array, Table
-from nw_gear_monitor.indicators import registry
-from nw_gear_monitor.indicators.window import LineResult, MeshWindow
 from nw_gear_monitor.labelling import Labeller, StageReport
-from nw_gear_monitor.machine import AXES, Machine
+from nw_gear_monitor.machine import Machine
+from nw_gear_monitor.measuring import Measuring, columns_of
 from nw_gear_monitor.signals.history import History
 from nw_gear_monitor.signals.section import section
 from nw_gear_monitor.signals.spectrum import ORDER_CYCLES, amplitude_spectrum, order_spectrum, orders
@@ -37,6 +36,12 @@ class Windows:
         16, "Window of the state labels; from 8 s on a shorter one is used.", "s", minimum=8, maximum=64
     )
     section_phase: float = quantity(0.0, "Mesh phase of the Poincaré sections.", "rad", minimum=-7.0, maximum=7.0)
+    envelope_low: float = quantity(
+        500.0, "Lower limit of the band of the bearings' envelopes.", "Hz", minimum=1.0, maximum=1e5
+    )
+    envelope_high: float = quantity(
+        2000.0, "Its upper limit; 0.45 of the sample rate where that is lower.", "Hz", minimum=2.0, maximum=1e5
+    )
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,7 @@ class Hop:
         indicators: mesh -> table of one row.
         stages: stage -> its state and evidence.
         bearings: bearing -> its force, for those in the waveform.
+        bearing_indicators: bearing -> table of one row, for those in the waveform.
     """
 
     time: float
@@ -72,6 +78,7 @@ class Hop:
     indicators: dict[str, Table]
     stages: dict[str, StageReport]
     bearings: dict[str, BearingForce]
+    bearing_indicators: dict[str, Table]
 
 
 class Pipeline:
@@ -89,6 +96,9 @@ class Pipeline:
         seconds = max(self._windows.label_seconds, self._windows.spectrum_seconds) + 1
         self._history = History(seconds, machine.derived)
         self._labeller = Labeller(machine, self._windows.label_seconds)
+        short, long = self._windows.spectrum_seconds, max(self._windows.label_seconds, self._windows.spectrum_seconds)
+        band = self._windows.envelope_low, self._windows.envelope_high
+        self._measuring = Measuring(machine, short, long, band)
 
     @property
     def continuity(self) -> Continuity:
@@ -100,6 +110,7 @@ class Pipeline:
         self._stream.reset()
         self._history.clear()
         self._labeller.flush("reset")
+        self._measuring.flush()
 
     def reject(self, reason: str) -> None:
         """Count a block that could not even be turned into a table."""
@@ -117,22 +128,29 @@ class Pipeline:
         restarted = self._history.append(second)
         if restarted:
             self._labeller.flush("the stream was interrupted")
+            self._measuring.flush()
         turning = self._turns(second)
         if turning:
             stages, numbers = self._labeller.add(self._history)
+            points = {stage: self._points(stage) for stage in self._machine.stage_names}
+            for own in points.values():
+                self._measuring.strobe(own)
         else:
-            stages, numbers = self._labeller.flush("not turning"), {}
+            stages, numbers, points = self._labeller.flush("not turning"), {}, {}
+            self._measuring.flush()
         filled = len(self._history) >= self._windows.spectrum_seconds
+        time = second.start + 1.0
         return Hop(
-            time=second.start + 1.0,
+            time=time,
             restarted=restarted,
             turning=turning,
             spectrum=self._spectrum() if filled else None,
             orders=self._orders() if filled and turning else None,
-            sections={stage: self._section(stage) for stage in self._machine.stage_names} if turning else {},
-            indicators=self._indicators(second.start + 1.0, numbers, filled),
+            sections={stage: self._section(own) for stage, own in points.items()},
+            indicators=self._measuring.channels(time, self._history, numbers, turning),
             stages=stages,
             bearings=self._bearings(second),
+            bearing_indicators=self._measuring.bearings(time, self._history, turning),
         )
 
     def _turns(self, second: Second) -> bool:
@@ -170,7 +188,8 @@ class Pipeline:
             columns[:, 1 + np.array(self._machine.places[stage])] = order_spectrum(data[:, 0], x, v, 1.0 / rate)
         return Table(names.ROW_ORDER, ("order", *self._machine.channel_names), columns)
 
-    def _section(self, stage: str) -> Table:
+    def _points(self, stage: str) -> dict[str, Array]:
+        """New section points of each of a stage's channels, (points, 3): time, x, v."""
         newest = self._history.newest
         members = self._machine.members[stage]
         own = (f"{axis}_{name}" for name in members for axis in ("x", "v"))
@@ -178,34 +197,25 @@ class Pipeline:
         rows = len(newest.data)
         data = data[-(rows + SECTION_MARGIN) :]
         low = 1.0 if len(data) > rows else 0.0
-        parts = []
+        found = {}
         for number, name in enumerate(members):
-            channel = self._machine.channel(name)
-            phase = data[:, 1] + channel.planet_phase
+            phase = data[:, 1] + self._machine.channel(name).planet_phase
             x, v = data[:, 2 + 2 * number], data[:, 3 + 2 * number]
-            points = section(data[:, 0], phase, x, v, self._windows.section_phase, low, len(data) - 3.0)
-            parts.append(np.column_stack([points[:, 0], np.full(len(points), float(channel.planet)), points[:, 1:]]))
+            found[name] = section(data[:, 0], phase, x, v, self._windows.section_phase, low, len(data) - 3.0)
+        return found
+
+    def _section(self, points: dict[str, Array]) -> Table:
+        parts = []
+        for name, own in points.items():
+            planet = np.full(len(own), float(self._machine.channel(name).planet))
+            parts.append(np.column_stack([own[:, 0], planet, own[:, 1:]]))
         merged = np.concatenate(parts)
         return Table(names.ROW_POINT, names.SECTION_COLUMNS, merged[np.argsort(merged[:, 0], kind="stable")])
-
-    def _indicators(self, time: float, numbers: dict[str, LineResult], filled: bool) -> dict[str, Table]:
-        if not filled:
-            return {name: registry.evaluate(time, None) for name in self._machine.channel_names}
-        machine = self._machine
-        data = self._latest((*machine.phase_columns, *machine.x_columns, *machine.v_columns))
-        stages, channels = len(machine.stages), len(machine.channels)
-        tables = {}
-        for number, channel in enumerate(machine.channels):
-            phase = data[:, machine.stage_names.index(channel.stage)] + channel.planet_phase
-            x, v = data[:, stages + number].copy(), data[:, stages + channels + number].copy()
-            window = MeshWindow(channel.name, self._history.newest.rate, phase, x, v, numbers.get(channel.name))
-            tables[channel.name] = registry.evaluate(time, window)
-        return tables
 
     def _bearings(self, second: Second) -> dict[str, BearingForce]:
         forces = {}
         for bearing in self._machine.bearings:
-            own = [f"{axis}_{bearing.name}" for axis, _ in zip(AXES, bearing.columns, strict=False)]
+            own = columns_of(bearing)
             if all(name in second.columns for name in own):
                 parts = [second.column(name) for name in own]
                 size = np.hypot(*parts) if len(parts) > 1 else np.abs(parts[0])

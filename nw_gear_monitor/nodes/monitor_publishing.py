@@ -28,6 +28,7 @@ class Publishing:
         topics = [names.SPECTRUM, names.ORDERS]
         topics += [names.section_topic(stage) for stage in machine.stage_names]
         topics += [names.indicators_topic(mesh) for mesh in machine.channel_names]
+        topics += [names.indicators_topic(bearing.name) for bearing in machine.bearings]
         self._tables = {topic: node.create_publisher(Float64MultiArray, topic, live_qos(DEPTH)) for topic in topics}
         self._diagnostics = Diagnostics(node)
 
@@ -36,6 +37,7 @@ class Publishing:
         tables = {names.SPECTRUM: hop.spectrum, names.ORDERS: hop.orders}
         tables |= {names.section_topic(stage): table for stage, table in hop.sections.items() if len(table)}
         tables |= {names.indicators_topic(mesh): table for mesh, table in hop.indicators.items()}
+        tables |= {names.indicators_topic(bearing): table for bearing, table in hop.bearing_indicators.items()}
         for topic, table in tables.items():
             if table is not None:
                 self._tables[topic].publish(to_message(table))

@@ -232,11 +232,9 @@ def _triangle(columns: Array) -> Array:
     try:
         r: Array = cholesky(columns.T @ columns, check_finite=False)
     except LinAlgError:
-        r = np.linalg.qr(columns, mode="r")
-    diagonal = np.abs(np.diag(r))
-    if not diagonal.min() > LEAST_DIAGONAL * diagonal.max():
-        r = np.linalg.qr(columns, mode="r")
-    return r
+        return np.asarray(np.linalg.qr(columns).R)
+    diagonal = np.diag(r)
+    return r if diagonal.min() > LEAST_DIAGONAL * diagonal.max() else np.asarray(np.linalg.qr(columns).R)
 
 
 def _projected(columns: Array, r: Array, x: Array) -> tuple[Array, Array]:
