@@ -40,7 +40,13 @@ class Labeller:
 
     def __init__(self, machine: Machine, seconds: int) -> None:
         self._machine = machine
-        self._explainer = LineExplainer(machine.rated_frequency, machine.places)
+        self._explainer = LineExplainer(
+            machine.line_frequency,
+            machine.places,
+            shafts=machine.sideband_shafts,
+            sidebands=machine.sidebands,
+            loaded=[i for i, channel in enumerate(machine.channels) if channel.loaded],
+        )
         self._window: deque[LineSecond] = deque(maxlen=seconds)
         self._persistence = {stage: Persistence() for stage in machine.stage_names}
 
@@ -83,7 +89,7 @@ class Labeller:
         own = phase[:, machine.stage_names.index(stage)] + watched.planet_phase
         per_cycle = machine.stage(stage).strobes
         starts = np.array([second.start for second in self._window])
-        rest = line_residual(explained.fit, starts, time, phase, own, x, v, channel, per_cycle)
+        rest = line_residual(explained.fit, starts, time, machine.line_phase(phase), own, x, v, channel, per_cycle)
         tau, cycles_per_point, _ = tonal_share(rest)
         return tau, cycles_per_point * per_cycle, zero_one(strobes(rest, per_cycle)[-ZERO_ONE_STROBES:])
 
@@ -124,5 +130,5 @@ def _line_second(machine: Machine, history: History) -> LineSecond:
     first = 1 + len(machine.stages)
     x = decimate.decimate(data[:, first:], every)
     centres = data[half : half + every * len(x) : every]
-    time, phase = centres[:, 0], centres[:, 1:first]
+    time, phase = centres[:, 0], machine.line_phase(centres[:, 1:first])
     return LineSecond(float(second.start), second.rate / every, time, phase, np.ascontiguousarray(x))

@@ -109,13 +109,19 @@ class Bearing:
 
 @dataclass(frozen=True)
 class Machine:
-    """Everything the monitor knows of one machine."""
+    """Everything the monitor knows of one machine.
+
+    Attributes:
+        sidebands: expected lines on either side of mesh lines at the speed of every shaft; 0 where the shafts leave no
+            trace in regular motion.
+    """
 
     name: str
     stages: tuple[Stage, ...]
     channels: tuple[Channel, ...]
     shafts: tuple[Shaft, ...] = ()
     bearings: tuple[Bearing, ...] = ()
+    sidebands: int = 0
 
     @cached_property
     def stage_names(self) -> tuple[str, ...]:
@@ -167,6 +173,24 @@ class Machine:
         """Mesh frequencies over that of the first stage, (stages,)."""
         ratios: Array = self.rated_frequency / self.rated_frequency[0]
         return ratios
+
+    @cached_property
+    def sideband_shafts(self) -> list[int]:
+        """For each shaft with sidebands, the number of its stage."""
+        return [self.stage_names.index(shaft.stage) for shaft in self.shafts] if self.sidebands else []
+
+    @cached_property
+    def line_frequency(self) -> Array:
+        """Nominal frequencies of the phases that lines follow, (phases,), Hz: meshes, then shafts with sidebands."""
+        frequency: Array = self.line_phase(self.rated_frequency[None, :])[0]
+        return frequency
+
+    def line_phase(self, phase: Array) -> Array:
+        """Phases that lines follow, (samples, phases), from the mesh phases (samples, stages), rad."""
+        if not self.sideband_shafts:
+            return phase
+        teeth = np.array([shaft.teeth for shaft in self.shafts], dtype=np.float64)
+        return np.hstack([phase, phase[:, self.sideband_shafts] / teeth])
 
     @cached_property
     def derived(self) -> Mapping[str, str]:

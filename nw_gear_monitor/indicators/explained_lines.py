@@ -7,7 +7,7 @@ LEAST_SHARE of the variance and LEAST_PART of rho, stage s repeats after n mesh 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -29,7 +29,7 @@ class LineSecond:
     Attributes:
         start: beginning, s.
         rate: samples per second, Hz.
-        time: (samples,) s; phase: (samples, stages) rad; x: (samples, channels).
+        time: (samples,) s; phase: (samples, phases) rad; x: (samples, channels).
     """
 
     start: float
@@ -73,27 +73,39 @@ class LineExplainer:
     """Fits windows of one machine.
 
     Args:
-        frequency: (stages,) nominal mesh frequencies, Hz.
+        frequency: (phases,) nominal mesh frequencies, then those of shafts, Hz.
         places: stage -> numbers of its channels, in the order of the stages.
+        shafts: for each shaft, the number of the stage whose mesh lines it stands beside.
+        sidebands: of shafts, on either side of a mesh line.
+        loaded: channels whose mean follows the load; all where None.
     """
 
-    def __init__(self, frequency: Array, places: Mapping[str, list[int]]) -> None:
-        self._ratios = frequency / frequency[0]
+    def __init__(
+        self,
+        frequency: Array,
+        places: Mapping[str, list[int]],
+        *,
+        shafts: Sequence[int] = (),
+        sidebands: int = 0,
+        loaded: Sequence[int] | None = None,
+    ) -> None:
+        self._frequency = frequency
         self._places = places
-        self.base = combs.base(self._ratios)
+        self._loaded = loaded
+        self.base = combs.base(frequency, shafts, sidebands)
         self._refined: dict[Subharmonic, Comb] = {}
 
     def explain(self, window: list[LineSecond]) -> Explained:
         """Fit the base comb; where a subharmonic is found, fit again with the comb rebuilt on it."""
         rate = window[-1].rate
-        first = fit([second.normal(self.base) for second in window], self.base, rate)
+        first = fit([second.normal(self.base) for second in window], self.base, rate, self._loaded)
         found = self._best(first)
         if found is None:
             return Explained(first, self._rho(first), None, dict.fromkeys(self._places, 0.0))
         if found not in self._refined:
-            self._refined[found] = combs.refined(self.base, self._ratios, found)
+            self._refined[found] = combs.refined(self.base, self._frequency, len(self._places), found)
         comb = self._refined[found]
-        second_fit = fit([second.normal(comb) for second in window], comb, rate)
+        second_fit = fit([second.normal(comb) for second in window], comb, rate, self._loaded)
         return Explained(second_fit, self._rho(second_fit), found, self._by_stage(first, first.candidates[found]))
 
     def _best(self, first: LineFit) -> Subharmonic | None:

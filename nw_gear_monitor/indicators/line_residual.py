@@ -26,7 +26,7 @@ def line_residual(
     Args:
         done: the fit of this window.
         starts: (seconds,) beginnings of its seconds, s.
-        time: (samples,) s; phase: (samples, stages) rad of planet 1; x, v: (samples,) m, m/s of the mesh.
+        time: (samples,) s; phase: (samples, phases) rad of what the lines follow; x, v: (samples,) m, m/s of the mesh.
         own: (samples,) mesh phase to strobe on, rad.
         channel: number of the mesh.
         per_cycle: points per cycle of `own`.

@@ -1,30 +1,34 @@
-"""The lines a gearbox is expected to show: combinations of the three mesh frequencies, and fractions of them.
+"""The lines a machine is expected to show: combinations of the mesh frequencies, fractions of them, shaft sidebands.
 
-A line is three whole numbers: its phase is (a phi_I + b phi_II + c phi_III) / 12 with the mesh phases of planet 1. The
-twelfths make room for f/2, f/3 and f/4.
+A line is one whole number per phase: its phase is (a phi_1 + b phi_2 + ..) / 12 with the mesh phases of the stages
+(planet 1) first, then the phases of shafts where these are asked for. The twelfths make room for f/2, f/3 and f/4.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
-from nw_gear_common import names
 from nw_gear_common.tables import Array
 
 PARTS = 12
 HIGHEST_COMBINATION = 4
 """Largest |k| + |l| + |m| of a line k f_I + l f_II + m f_III."""
+HIGHEST_OF_MANY = 3
+"""The same with more than three stages, which combine in too many ways."""
 OWN_HARMONICS = 24
-FREE_HARMONICS = (2, 2, 1)
-"""Own harmonics of I, II, III up to these have an amplitude that is free in every second."""
+FREE_HARMONICS = ((200.0, 2), (np.inf, 1))
+"""Own harmonics whose amplitude is free in every second, for mesh frequencies below the first number (Hz)."""
 MODULATED_COMBINATION = 2
-MODULATED_HARMONICS = (8, 4, 4)
-"""Lines up to this combination order, and own harmonics of I, II, III up to these, may change their amplitude."""
+MODULATED_HARMONICS = ((50.0, 8), (np.inf, 4))
+"""Own harmonics that may change their amplitude, by mesh frequency; so may lines up to MODULATED_COMBINATION."""
+SHAFT_HARMONICS = 4
+"""Mesh harmonics beside which sidebands of shafts are looked for."""
 LOWEST_FREQUENCY = 5.0
 HIGHEST_FREQUENCY = 2500.0
 """Lines below are part of the slow trend, lines above are left out (Hz)."""
@@ -32,9 +36,9 @@ DIVISORS = (2, 3, 4)
 CANDIDATE_HARMONICS = 4
 """Subharmonic lines p f_s / n are looked for up to this multiple of f_s."""
 
-Twelfths = tuple[int, int, int]
+Twelfths = tuple[int, ...]
 Subharmonic = tuple[int, int]
-"""Number of the stage (0, 1, 2) and divisor n."""
+"""Number of the stage (0, 1, ..) and divisor n."""
 
 
 @dataclass(frozen=True)
@@ -64,56 +68,67 @@ class Comb:
         return tuple(dict.fromkeys(line for _, lines in self.candidates for line in lines))
 
 
-def base(ratios: Array) -> Comb:
-    """The comb of a regular gearbox, with the candidates for period doubling, tripling and quadrupling.
+def base(frequency: Array, shafts: Sequence[int] = (), sidebands: int = 0) -> Comb:
+    """The comb of a regular machine, with the candidates for period doubling, tripling and quadrupling.
 
     Args:
-        ratios: (3,) mesh frequencies of the stages over that of stage I.
+        frequency: (stages + shafts,) nominal frequencies of the meshes, then of the shafts, Hz.
+        shafts: for each shaft, the number of the stage whose mesh lines it stands beside.
+        sidebands: on either side of a mesh line, and harmonics of the shaft itself.
     """
-    free = tuple(_own(stage, PARTS * k) for stage in range(3) for k in range(1, FREE_HARMONICS[stage] + 1))
+    stages = frequency.size - len(shafts)
+    free = tuple(
+        _own(stage, PARTS * k, frequency.size)
+        for stage in range(stages)
+        for k in range(1, _by_frequency(FREE_HARMONICS, frequency[stage]) + 1)
+    )
     modulated: list[Twelfths] = []
     steady: list[Twelfths] = []
-    span = range(-HIGHEST_COMBINATION, HIGHEST_COMBINATION + 1)
-    for k, l, m in itertools.product(span, span, span):  # noqa: E741  (the usual letters of the three multiples)
-        size = abs(k) + abs(l) + abs(m)
-        line = _scaled((k, l, m))
-        if 0 < size <= HIGHEST_COMBINATION and _positive(line, ratios) and line not in free:
-            own = size == max(abs(k), abs(l), abs(m))
-            group = modulated if own or size <= MODULATED_COMBINATION else steady
+    highest = _highest(stages)
+    for multiple in _combinations(stages, highest):
+        line = _scaled(multiple, frequency.size)
+        if _positive(line, frequency) and line not in free:
+            own = sum(map(abs, multiple)) == max(map(abs, multiple))
+            group = modulated if own or sum(map(abs, multiple)) <= MODULATED_COMBINATION else steady
             group.append(line)
-    for stage, harmonic in itertools.product(range(3), range(HIGHEST_COMBINATION + 1, OWN_HARMONICS + 1)):
-        group = modulated if harmonic <= MODULATED_HARMONICS[stage] else steady
-        group.append(_own(stage, PARTS * harmonic))
-    candidates = tuple(((stage, n), _fractions(stage, n)) for stage in range(3) for n in DIVISORS)
+    for stage, harmonic in itertools.product(range(stages), range(highest + 1, OWN_HARMONICS + 1)):
+        within = harmonic <= _by_frequency(MODULATED_HARMONICS, frequency[stage])
+        (modulated if within else steady).append(_own(stage, PARTS * harmonic, frequency.size))
+    for number, stage in enumerate(shafts):
+        steady += _shaft_lines(stage, stages + number, sidebands, frequency.size)
+    candidates = tuple(((stage, n), _fractions(stage, n, frequency.size)) for stage in range(stages) for n in DIVISORS)
     return Comb(free, tuple(sorted(modulated)), tuple(sorted(steady)), candidates)
 
 
-def refined(comb: Comb, ratios: Array, found: Subharmonic) -> Comb:
-    """The comb of a gearbox in which one stage repeats only after n mesh periods: its f_s / n mixes with the others.
+def refined(comb: Comb, frequency: Array, stages: int, found: Subharmonic) -> Comb:
+    """The comb of a machine in which one stage repeats only after n mesh periods: its f_s / n mixes with the others.
 
-    Adds p f_s / n + q f_a + r f_b with ceil(|p| / n) + |q| + |r| up to HIGHEST_COMBINATION, and own multiples of
-    f_s / n up to OWN_HARMONICS * n of them; drops the candidates.
+    Adds p f_s / n + q f_a + r f_b + .. with ceil(|p| / n) + |q| + |r| + .. up to HIGHEST_COMBINATION, and own multiples
+    of f_s / n up to OWN_HARMONICS * n of them; drops the candidates.
     """
     stage, divisor = found
-    others = [i for i in range(3) if i != stage]
+    others = [i for i in range(stages) if i != stage]
     known = {*comb.free, *comb.modulated, *comb.steady}
     added: dict[Twelfths, None] = {}
-    span = range(-HIGHEST_COMBINATION, HIGHEST_COMBINATION + 1)
-    reach = HIGHEST_COMBINATION * divisor
-    for p, q, r in itertools.product(range(1, reach + 1), span, span):
-        if p % divisor == 0 or -(-p // divisor) + abs(q) + abs(r) > HIGHEST_COMBINATION:
+    highest = _highest(stages)
+    for p in range(1, highest * divisor + 1):
+        left = highest - -(-p // divisor)
+        if p % divisor == 0:
             continue
-        line = [0, 0, 0]
-        line[stage], line[others[0]], line[others[1]] = p * PARTS // divisor, q * PARTS, r * PARTS
-        added[_scaled_positive((line[0], line[1], line[2]), ratios)] = None
+        for multiple in itertools.chain([(0,) * len(others)], _combinations(len(others), left)):
+            line = [0] * frequency.size
+            line[stage] = p * PARTS // divisor
+            for other, times in zip(others, multiple, strict=True):
+                line[other] = times * PARTS
+            added[tuple(line) if _positive(line, frequency) else tuple(-part for part in line)] = None
     for p in range(1, OWN_HARMONICS + 1):
-        added[_own(stage, p * PARTS // divisor)] = None
+        added[_own(stage, p * PARTS // divisor, frequency.size)] = None
     return Comb(comb.free, comb.modulated, (*comb.steady, *sorted(line for line in added if line not in known)), ())
 
 
-def multiples(lines: tuple[Twelfths, ...]) -> Array:
-    """The lines as an array (lines, 3) of multiples of the mesh frequencies."""
-    return np.array(lines, dtype=np.float64).reshape(-1, 3) / PARTS
+def multiples(lines: tuple[Twelfths, ...], phases: int) -> Array:
+    """The lines as an array (lines, phases) of multiples of the phases."""
+    return np.array(lines, dtype=np.float64).reshape(-1, phases) / PARTS
 
 
 def spaced(frequency: Array, apart: float, highest: float, taken: Array | None = None) -> npt.NDArray[np.bool_]:
@@ -141,39 +156,65 @@ def spaced(frequency: Array, apart: float, highest: float, taken: Array | None =
     return keep
 
 
-def describe(line: Twelfths) -> str:
-    """Name a line, for instance `f_II/2 + f_I` (the largest fraction first)."""
+def describe(line: Twelfths, phases: Sequence[str]) -> str:
+    """Name a line, for instance `f_II/2 + f_I` (the largest fraction first).
+
+    Args:
+        line: of the comb.
+        phases: names of the stages, then of the shafts.
+    """
     words = []
-    for stage, parts in sorted(
-        zip(names.STAGES, line, strict=True), key=lambda item: Fraction(item[1], PARTS).denominator, reverse=True
+    for name, parts in sorted(
+        zip(phases, line, strict=True), key=lambda item: Fraction(item[1], PARTS).denominator, reverse=True
     ):
         multiple = Fraction(abs(parts), PARTS)
         if multiple:
-            text = ("" if multiple.numerator == 1 else f"{multiple.numerator} ") + f"f_{stage}"
+            text = ("" if multiple.numerator == 1 else f"{multiple.numerator} ") + f"f_{name}"
             text += "" if multiple.denominator == 1 else f"/{multiple.denominator}"
             words.append(("- " if parts < 0 else "+ ") + text)
     return " ".join(words).removeprefix("+ ")
 
 
-def _positive(multiple: Twelfths, ratios: Array) -> bool:
-    return bool(np.dot(multiple, ratios) > 0)
+def _highest(stages: int) -> int:
+    return HIGHEST_COMBINATION if stages <= 3 else HIGHEST_OF_MANY
 
 
-def _scaled(multiple: Twelfths) -> Twelfths:
-    return multiple[0] * PARTS, multiple[1] * PARTS, multiple[2] * PARTS
+def _by_frequency(choices: tuple[tuple[float, int], ...], frequency: float) -> int:
+    return next(number for below, number in choices if frequency < below)
 
 
-def _scaled_positive(line: Twelfths, ratios: Array) -> Twelfths:
-    return line if _positive(line, ratios) else (-line[0], -line[1], -line[2])
+def _combinations(stages: int, highest: int) -> Iterator[tuple[int, ...]]:
+    """Every (k, l, ..) with 0 < |k| + |l| + .. <= highest."""
+    span = range(-highest, highest + 1)
+    for multiple in itertools.product(span, repeat=stages):
+        if 0 < sum(map(abs, multiple)) <= highest:
+            yield multiple
 
 
-def _own(stage: int, parts: int) -> Twelfths:
-    line = [0, 0, 0]
-    line[stage] = parts
-    return line[0], line[1], line[2]
+def _shaft_lines(stage: int, shaft: int, sidebands: int, phases: int) -> list[Twelfths]:
+    """Sidebands k f_m +- s f_shaft, and the shaft's own harmonics s f_shaft (k = 0)."""
+    lines = []
+    for k, s in itertools.product(range(SHAFT_HARMONICS + 1), range(-sidebands, sidebands + 1)):
+        if s and (k or s > 0):
+            line = [0] * phases
+            line[stage], line[shaft] = k * PARTS, s * PARTS
+            lines.append(tuple(line))
+    return lines
 
 
-def _fractions(stage: int, divisor: int) -> tuple[Twelfths, ...]:
+def _positive(line: Sequence[int], frequency: Array) -> bool:
+    return bool(np.dot(line, frequency) > 0)
+
+
+def _scaled(multiple: tuple[int, ...], phases: int) -> Twelfths:
+    return tuple(PARTS * k for k in multiple) + (0,) * (phases - len(multiple))
+
+
+def _own(stage: int, parts: int, phases: int) -> Twelfths:
+    return tuple(parts if i == stage else 0 for i in range(phases))
+
+
+def _fractions(stage: int, divisor: int, phases: int) -> tuple[Twelfths, ...]:
     """Lines p f_s / n; for n = 4 only odd p, since 4 is tried on top of 2."""
     parts = range(1, CANDIDATE_HARMONICS * divisor)
-    return tuple(_own(stage, p * PARTS // divisor) for p in parts if p % divisor and (divisor != 4 or p % 2))
+    return tuple(_own(stage, p * PARTS // divisor, phases) for p in parts if p % divisor and (divisor != 4 or p % 2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,26 +58,30 @@ class LineFit:
         return int(np.count_nonzero(self.kept)) + len(self.seconds[-1].free)
 
     def predict(self, second: int, phase: Array, tau: Array, channel: int) -> Array:
-        """Trend and fitted lines at given phases (points, 3) and times tau (points,) of one second: (points,)."""
+        """Trend and fitted lines at given phases (points, phases) and times tau (points,) of one second: (points,)."""
         own = self.coefficients[second, :, channel]
         lines: Array = design(phase, tau, self.comb) @ own
         return lines + self.seconds[second].settled(phase, tau, own, channel)
 
 
-def fit(seconds: list[NormalSecond], comb: Comb, rate: float) -> LineFit:
+def fit(seconds: list[NormalSecond], comb: Comb, rate: float, loaded: Sequence[int] | None = None) -> LineFit:
     """Fit the lines of a comb to a window.
 
     Args:
         seconds: contiguous seconds formed with this comb, oldest first.
         comb: the lines.
         rate: samples per second of the fitted signal, Hz (for the highest line).
+        loaded: channels whose mean follows the load; all where None.
     """
     speeds = np.stack([second.rate for second in seconds])
     levels = np.stack([second.level for second in seconds])
-    curves = modulation(speeds[:, :, 1], levels.mean(axis=2))
-    frequency = multiples(comb.lines) @ speeds.mean(axis=(0, 1)) / (2.0 * np.pi)
+    followed = levels if loaded is None else levels[:, :, list(loaded)]
+    load = followed.mean(axis=2) if followed.shape[2] else np.ones(levels.shape[:2])
+    curves = modulation(speeds[:, :, speeds.shape[2] // 2], load)
+    mean = speeds.mean(axis=(0, 1))
+    frequency = multiples(comb.lines, mean.size) @ mean / (2.0 * np.pi)
     highest = min(HIGHEST_FREQUENCY, NYQUIST_SHARE * rate)
-    free = multiples(seconds[-1].free) @ speeds.mean(axis=(0, 1)) / (2.0 * np.pi)
+    free = multiples(seconds[-1].free, mean.size) @ mean / (2.0 * np.pi)
     kept = spaced(frequency, 1.0 / len(seconds), highest, free)
     gram, moment = _assemble(seconds, len(comb.modulated), curves)
     energy = np.sum([second.energy for second in seconds], axis=0)

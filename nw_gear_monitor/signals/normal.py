@@ -54,7 +54,7 @@ class NormalSecond:
         energy: (channels,), x^T x without the trend, before the free lines are taken out (m^2).
         rest: (channels,), x^T x after the whole projection (m^2).
         samples: number of samples.
-        rate: (nodes, 3) mesh frequencies (rad/s) at NODES.
+        rate: (nodes, phases) frequencies (rad/s) at NODES.
         level: (nodes, channels) slow trend of x (m) at NODES.
         free, degree: the free lines that this second can tell apart, and the degree of their amplitudes in time.
         triangle, overlap, projection: R and Q^T A, Q^T x of what was projected out, W = Q R.
@@ -163,7 +163,7 @@ def design(phase: Array, tau: Array, comb: Comb) -> Array:
     """Cosine and sine columns of a comb.
 
     Args:
-        phase: (samples, stages) unwrapped mesh phases of planet 1, rad.
+        phase: (samples, phases) unwrapped phases: meshes (planet 1), then shafts, rad.
         tau: (samples,) time within the second, -1 to 1.
         comb: its modulated lines take 6 columns each (cosine and sine times three shapes), the others 2.
 
@@ -184,7 +184,7 @@ def relative_time(time: Array, start: float) -> Array:
 def settled_columns(phase: Array, tau: Array, free: tuple[Twelfths, ...], degree: int) -> Array:
     """What is projected out of a second: the trend's polynomials, then each free line times some of them."""
     shapes = legendre.legvander(tau, TREND_DEGREE)
-    angle = np.mod(phase, 2.0 * np.pi * PARTS) @ multiples(free).T
+    angle = np.mod(phase, 2.0 * np.pi * PARTS) @ multiples(free, phase.shape[1]).T
     waves = np.stack([np.cos(angle), np.sin(angle)], axis=2)
     lines = waves[:, :, :, None] * shapes[:, None, None, : degree + 1]
     columns: Array = np.concatenate([shapes, lines.reshape(len(tau), -1)], axis=1)
@@ -265,5 +265,5 @@ def _products(phase: Array, tau: Array, comb: Comb, settled: Array, flat: Array)
 
 def _apart(lines: tuple[Twelfths, ...], rate: Array, samples: int) -> tuple[Twelfths, ...]:
     """The lines that are FREE_APART from each other and below 0.45 of the sample rate, about `samples` a second."""
-    kept = spaced(multiples(lines) @ rate / (2.0 * np.pi), FREE_APART, 0.45 * samples)
+    kept = spaced(multiples(lines, rate.size) @ rate / (2.0 * np.pi), FREE_APART, 0.45 * samples)
     return tuple(line for line, keep in zip(lines, kept, strict=True) if keep)
