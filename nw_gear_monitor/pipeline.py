@@ -16,6 +16,7 @@ from nw_gear_common.tables import Array, Table
 from nw_gear_monitor.labelling import Labeller, StageReport
 from nw_gear_monitor.machine import Machine
 from nw_gear_monitor.measuring import Measuring, columns_of
+from nw_gear_monitor.operating import Operating, operating_point
 from nw_gear_monitor.signals.history import History
 from nw_gear_monitor.signals.section import section
 from nw_gear_monitor.signals.spectrum import ORDER_CYCLES, amplitude_spectrum, order_spectrum, orders
@@ -67,6 +68,8 @@ class Hop:
         stages: stage -> its state and evidence.
         bearings: bearing -> its force, for those in the waveform.
         bearing_indicators: bearing -> table of one row, for those in the waveform.
+        operating: speed and load of the second.
+        rate: samples per second, Hz.
     """
 
     time: float
@@ -79,6 +82,8 @@ class Hop:
     stages: dict[str, StageReport]
     bearings: dict[str, BearingForce]
     bearing_indicators: dict[str, Table]
+    operating: Operating
+    rate: float
 
 
 class Pipeline:
@@ -151,6 +156,8 @@ class Pipeline:
             stages=stages,
             bearings=self._bearings(second),
             bearing_indicators=self._measuring.bearings(time, self._history, turning),
+            operating=operating_point(second, self._machine),
+            rate=second.rate,
         )
 
     def _turns(self, second: Second) -> bool:

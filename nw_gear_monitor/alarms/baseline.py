@@ -28,12 +28,14 @@ class Baseline:
         names: of the features, in the order of columns.
         bins: bin -> (STATISTICS, features).
         frozen: whether learning has been ended by hand.
+        rate: sample rate of the waveform that was learned from, Hz; None before the first.
     """
 
     def __init__(self) -> None:
         self.names: list[str] = []
         self.bins: dict[Bin, Array] = {}
         self.frozen = False
+        self.rate: float | None = None
         self._column: dict[str, int] = {}
 
     def columns(self, names: Sequence[str]) -> Whole:

@@ -12,8 +12,9 @@ from nw_gear_monitor.alarms import kernel
 from nw_gear_monitor.alarms.baseline import Baseline
 from nw_gear_monitor.alarms.features import LONG, SHORT, Rule, rule_of
 from nw_gear_monitor.alarms.kernel import Whole
-from nw_gear_monitor.alarms.operating import Bin, Operating, Steadiness
+from nw_gear_monitor.alarms.operating import Bin, Steadiness
 from nw_gear_monitor.alarms.settings import LONG_SPREAD, AlarmSettings
+from nw_gear_monitor.operating import Operating
 
 OK, WARN, ERROR = range(3)
 """Levels, as those of diagnostic_msgs/DiagnosticStatus."""

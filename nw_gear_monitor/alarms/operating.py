@@ -5,33 +5,13 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from nw_gear_monitor.alarms.settings import LOAD_RATIO, SPEED_RATIO
+from nw_gear_monitor.operating import Operating
 
 NO_LOAD = -(2**31)
 """Load index of bins where neither torque nor wind is known."""
-
-
-@dataclass(frozen=True)
-class Operating:
-    """Means over one second.
-
-    Attributes:
-        torque: anything that grows with the torque (N m, N, or the displacement of a mesh, m); nan = unknown.
-        speed: anything that grows in proportion to the speed (a mesh frequency, Hz).
-        wind: m/s; counts where the torque is unknown; nan = unknown.
-    """
-
-    torque: float
-    speed: float
-    wind: float = math.nan
-
-    @property
-    def load(self) -> float:
-        """Torque, or else wind."""
-        return self.wind if math.isnan(self.torque) else self.torque
 
 
 class Bin(NamedTuple):

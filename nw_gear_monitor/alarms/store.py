@@ -1,6 +1,7 @@
 """The file of a baseline: JSON that people can read, replaced as a whole, refused where anything is wrong with it.
 
-    {"format": "nw_gear baseline", "version": 1, "identity": {..}, "frozen": false, "features": [..],
+    {"format": "nw_gear baseline", "version": 1, "identity": {..}, "rate_hz": 5120.0, "frozen": false,
+     "features": [..],
      "bins": [{"speed": 66, "load": -96, "count": [..], "independent": [..], "mean": [..], "m2": [..],
       "above": [..], "m2_above": [..]}, ..],
      "sha256": ".."}
@@ -33,7 +34,7 @@ VERSION = 1
 LARGEST = 1 << 28
 """Bytes of a file that are read at most: more is no baseline."""
 ROWS = {"count": COUNT, "independent": INDEPENDENT, "mean": MEAN, "m2": M2, "above": ABOVE, "m2_above": M2_ABOVE}
-KEYS = {"format", "version", "identity", "frozen", "features", "bins", "sha256"}
+KEYS = {"format", "version", "identity", "rate_hz", "frozen", "features", "bins", "sha256"}
 
 Identity = Mapping[str, Any]
 
@@ -91,6 +92,7 @@ def encode(baseline: Baseline, identity: Identity) -> str:
         "format": FORMAT,
         "version": VERSION,
         "identity": dict(identity),
+        "rate_hz": baseline.rate,
         "frozen": baseline.frozen,
         "features": baseline.names,
         "bins": [
@@ -147,6 +149,10 @@ def _same(a: Any, b: Any) -> bool:
 def _baseline(body: Mapping[str, Any]) -> Baseline:
     baseline = Baseline()
     baseline.frozen = _of_kind(bool, body["frozen"])
+    if body["rate_hz"] is not None:
+        baseline.rate = _of_kind(float, body["rate_hz"])
+        if not 0.0 < baseline.rate < math.inf:
+            raise ValueError(f"{baseline.rate} Hz")
     names = [_of_kind(str, name) for name in _of_kind(list, body["features"])]
     baseline.columns(names)
     if len(baseline.names) != len(names):

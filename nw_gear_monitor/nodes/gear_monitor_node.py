@@ -1,4 +1,4 @@
-"""`gear_monitor_node`: spectra, Poincaré sections, indicators and states from the waveform, online.
+"""`gear_monitor_node`: spectra, Poincaré sections, indicators, states and alarms from the waveform, online.
 
 The executor's thread takes messages in and answers services and signals; a second thread compiles the kernels,
 subscribes, computes and publishes. What it publishes follows from the stamped samples alone;
@@ -24,8 +24,9 @@ from nw_gear_common.quantities import quantity
 from nw_gear_common.ros import Stop, declare_parameters, from_message, leave_now, live_qos, make_node, run
 from nw_gear_monitor import health
 from nw_gear_monitor.gearing import gearing
+from nw_gear_monitor.nodes.alarm_watch import AlarmWatch, WatchSettings
 from nw_gear_monitor.nodes.monitor_publishing import Publishing
-from nw_gear_monitor.pipeline import Hop, Pipeline, Windows
+from nw_gear_monitor.pipeline import Hop, Pipeline
 from nw_gear_monitor.signals.stream import Continuity
 from nw_gear_monitor.warm_up import warm_up
 from nw_gear_sim import config
@@ -37,7 +38,7 @@ HOP_SECONDS = 1.0
 
 
 @dataclass(frozen=True)
-class Settings(Windows):
+class Settings(WatchSettings):
     """Parameters of `gear_monitor_node`."""
 
     config: str = quantity("", "Configuration laid over the default gearbox: a YAML file, or the name of a preset.")
@@ -86,11 +87,13 @@ class GearMonitorNode(Node):
     def __init__(self, name: str, stop: Stop, **kwargs: object) -> None:
         super().__init__(name, **kwargs)
         self._stop = stop
-        self._settings = declare_parameters(self, Settings)
+        self._settings = declare_parameters(self, Settings, self._on_settings)
         self._machine = gearing(config.load(self._settings.config or None))
         self._pipeline = Pipeline(self._machine, self._settings)
-        self._publishing = Publishing(self, self._machine)
         self._blocks: queue.SimpleQueue[Float64MultiArray | None] = queue.SimpleQueue()
+        self._news = threading.Event()
+        self._alarms = AlarmWatch(self, self._machine, self._settings, self._on_news)
+        self._publishing = Publishing(self, self._machine)
         self._reset = threading.Event()
         self._computation = Computation()
         self._reported = Continuity()
@@ -108,6 +111,7 @@ class GearMonitorNode(Node):
         self._thread.join(JOIN_WITHIN)
         if self._thread.is_alive():
             leave_now(0 if self._stop.error is None else 1)
+        self._alarms.close()
 
     # --- the executor's thread --------------------------------------------------------------------------------------
 
@@ -119,6 +123,13 @@ class GearMonitorNode(Node):
         self._blocks.put(None)
         response.success, response.message = True, "windows flushed"
         return response
+
+    def _on_settings(self, settings: Settings) -> None:
+        self._alarms.change(settings)
+
+    def _on_news(self) -> None:
+        self._news.set()
+        self._blocks.put(None)
 
     # --- the thread that computes -------------------------------------------------------------------------------------
 
@@ -148,6 +159,10 @@ class GearMonitorNode(Node):
         if self._reset.is_set():
             self._reset.clear()
             self._pipeline.reset()
+            self._alarms.interrupt()
+        if self._news.is_set():
+            self._news.clear()
+            self._publish_diagnostics(self._statuses, self._now())
         if message is not None:
             self._heard = time.monotonic()
             self._compute(message)
@@ -167,6 +182,7 @@ class GearMonitorNode(Node):
 
     def _publish(self, hop: Hop) -> None:
         self._publishing.tables(hop)
+        self._alarms.update(hop)
         self._statuses = health.stage_statuses(hop, self._machine)
         self._publish_diagnostics(self._statuses, hop.time)
         self._next_quiet_report = time.monotonic() + self._settings.stale_after
@@ -180,13 +196,16 @@ class GearMonitorNode(Node):
         silent = now - self._heard
         if self._pipeline.continuity.blocks and silent >= self._settings.stale_after:
             self._statuses = health.stale(self._statuses, silent)
-        self._publish_diagnostics(self._statuses, float(self.get_clock().now().nanoseconds) * 1e-9)
+        self._publish_diagnostics(self._statuses, self._now())
 
     def _publish_diagnostics(self, statuses: list[health.Status], stamp: float) -> None:
         stream = health.stream_status(self._pipeline.continuity, self._reported)
         self._reported = copy.copy(self._pipeline.continuity)
         computation = self._computation.status(self._blocks.qsize())
-        self._publishing.diagnostics([*statuses, stream, computation], stamp)
+        self._publishing.diagnostics([*self._alarms.entries(statuses), stream, computation], stamp)
+
+    def _now(self) -> float:
+        return float(self.get_clock().now().nanoseconds) * 1e-9
 
 
 def main(argv: Sequence[str]) -> int:

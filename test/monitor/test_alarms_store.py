@@ -36,6 +36,7 @@ def baselines(draw):
     names = draw(st.lists(st.text(min_size=1, max_size=8), unique=True, max_size=4))
     baseline.columns(names)
     baseline.frozen = draw(st.booleans())
+    baseline.rate = draw(st.none() | st.floats(1.0, 1e6))
     for speed, load in draw(st.lists(st.tuples(whole, whole), unique=True, max_size=4)):
         block = baseline.statistics(Bin(speed, load))
         for row in STORED:
@@ -45,6 +46,7 @@ def baselines(draw):
 
 def some():
     baseline = Baseline()
+    baseline.rate = 5120.0
     baseline.columns(["I_1/rms", "III/rms"])
     for key in (Bin(34, NO_LOAD), Bin(34, -50)):
         block = baseline.statistics(key)
@@ -53,7 +55,7 @@ def some():
 
 
 def same(a, b):
-    return (a.names, a.frozen, list(a.bins)) == (b.names, b.frozen, list(b.bins)) and all(
+    return (a.names, a.frozen, a.rate, list(a.bins)) == (b.names, b.frozen, b.rate, list(b.bins)) and all(
         np.array_equal(a.bins[k][STORED], b.bins[k][STORED]) for k in a.bins
     )
 
@@ -103,7 +105,9 @@ def test_other_content_is_refused(content):
 
 
 @settings(max_examples=300)
-@given(st.sampled_from(["version", "identity", "frozen", "features", "bins", "sha256"]), anything, st.booleans())
+@given(
+    st.sampled_from(["version", "identity", "rate_hz", "frozen", "features", "bins", "sha256"]), anything, st.booleans()
+)
 def test_another_value_in_any_entry_is_refused_even_with_a_right_checksum(key, value, inside):
     body = json.loads(RAW)
     good = body.pop("sha256")
@@ -113,6 +117,8 @@ def test_another_value_in_any_entry_is_refused_even_with_a_right_checksum(key, v
         body[key] = value
     body["sha256"] = store._checksum(body) if key != "sha256" else value
     if body["sha256"] == good or (key == "frozen" and isinstance(value, bool)):
+        return
+    if key == "rate_hz" and (value is None or (isinstance(value, float) and 0.0 < value < math.inf)):
         return
     if key in ("bins", "features") and value == [] and not (key == "features" or inside):
         return  # a baseline without bins is one
