@@ -62,7 +62,7 @@ def number(place: str, text: str, description: Quantity) -> float:
     Raises:
         InputError: no number, a wrong unit, or out of range.
     """
-    from nw_gear_sim import units  # noqa: PLC0415 - only where a command runs
+    from nw_gear_common import units  # noqa: PLC0415 - only where a command runs
 
     value, unit = text, description.unit
     parts = units.split(text)
