@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from nw_gear_common import units
 from nw_gear_common.errors import InputError
-from nw_gear_sim import units
 from nw_gear_sim.columnfile import TIME_COLUMNS, ColumnFile, column, find, printable
 
 SPEED_COLUMNS = ("rotspeed", "lsstipvxa", "speed", "rotor_speed", "rotor speed")
