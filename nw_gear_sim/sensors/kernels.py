@@ -1,18 +1,19 @@
 """Inner loops of the accelerometers: sample by sample in a fixed order, so that nothing depends on how blocks are cut.
 
-They aren't among the kernels of `compiled.SOURCES`: nothing in the equations of motion calls them.
+They needn't be among `compiled.SOURCES`: none calls a kernel of another file, and numba itself notices a change of this
+one.
 """
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from nw_gear_common.tables import Array
+from nw_gear_sim import compiled
 from nw_gear_sim.sensors.path import Path
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled.kernel
 def shake(path: Path, force: Array, before: Array, state: Array, parts: int, out: Array) -> None:
     """Let forces act on housings and give their accelerations.
 
@@ -40,7 +41,7 @@ def shake(path: Path, force: Array, before: Array, state: Array, parts: int, out
         state[channel, 0], state[channel, 1], before[channel] = x, v, last
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled.kernel
 def limit(values: Array, most: float, clipped: Array) -> None:
     """Hold values (samples, channels) within +-most in place, and count in `clipped` (channels,) how often it acted."""
     for n in range(values.shape[0]):
@@ -50,7 +51,7 @@ def limit(values: Array, most: float, clipped: Array) -> None:
                 clipped[channel] += 1.0
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled.kernel
 def thin(values: Array, taps: Array, every: int, out: Array) -> None:
     """Filter and keep every so many samples.
 
