@@ -161,13 +161,19 @@ def _baseline(body: Mapping[str, Any]) -> Baseline:
         key = Bin(_of_kind(int, entry["speed"]), _of_kind(int, entry["load"]))
         block = empty(len(names))
         for name, row in ROWS.items():
-            block[row] = np.array(entry[name], dtype=np.float64).reshape(len(names))
+            block[row] = _numbers(entry[name], len(names))
         if key in baseline.bins or not np.all(np.isfinite(block[list(ROWS.values())])):
             raise ValueError(f"bin {key.speed}, {key.load}")
         if np.any(block[[COUNT, INDEPENDENT, M2, ABOVE, M2_ABOVE]] < 0.0):
             raise ValueError(f"bin {key.speed}, {key.load}: below zero")
         baseline.bins[key] = block
     return baseline
+
+
+def _numbers(values: Any, length: int) -> list[float]:
+    if not isinstance(values, list) or len(values) != length or any(type(v) not in (int, float) for v in values):
+        raise ValueError(f"not {length} numbers")
+    return [float(value) for value in values]
 
 
 def _of_kind(kind: type, value: Any) -> Any:
