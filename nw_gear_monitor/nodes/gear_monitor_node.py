@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray
@@ -24,6 +25,8 @@ from nw_gear_common.quantities import quantity
 from nw_gear_common.ros import Stop, declare_parameters, from_message, leave_now, live_qos, make_node, run
 from nw_gear_monitor import health
 from nw_gear_monitor.gearing import gearing
+from nw_gear_monitor.machine import Machine
+from nw_gear_monitor.machinefile.read import load
 from nw_gear_monitor.nodes.alarm_watch import AlarmWatch, WatchSettings
 from nw_gear_monitor.nodes.monitor_publishing import Publishing
 from nw_gear_monitor.pipeline import Hop, Pipeline
@@ -42,6 +45,7 @@ class Settings(WatchSettings):
     """Parameters of `gear_monitor_node`."""
 
     config: str = quantity("", "Configuration laid over the default gearbox: a YAML file, or the name of a preset.")
+    machine: str = quantity("", "Another machine than the built-in gearbox: a YAML file (docs/foreign.md).")
     waveform_topic: str = quantity(names.WAVEFORM, "Topic of the waveform, relative to the namespace.")
     stale_after: float = quantity(
         2.0, "Wall time without samples after which every state is stale.", "s", minimum=0.1, maximum=3600.0
@@ -88,7 +92,7 @@ class GearMonitorNode(Node):
         super().__init__(name, **kwargs)
         self._stop = stop
         self._settings = declare_parameters(self, Settings, self._on_settings)
-        self._machine = gearing(config.load(self._settings.config or None))
+        self._machine = _machine(self._settings)
         self._pipeline = Pipeline(self._machine, self._settings)
         self._blocks: queue.SimpleQueue[Float64MultiArray | None] = queue.SimpleQueue()
         self._news = threading.Event()
@@ -206,6 +210,19 @@ class GearMonitorNode(Node):
 
     def _now(self) -> float:
         return float(self.get_clock().now().nanoseconds) * 1e-9
+
+
+def _machine(settings: Settings) -> Machine:
+    """What to watch.
+
+    Raises:
+        InputError: a file that can't be used, or both files given.
+    """
+    if not settings.machine:
+        return gearing(config.load(settings.config or None))
+    if settings.config:
+        raise InputError("parameter machine", "one of `machine` and `config`", "both")
+    return load(Path(settings.machine))
 
 
 def main(argv: Sequence[str]) -> int:
