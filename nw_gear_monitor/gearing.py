@@ -60,5 +60,5 @@ def _bearings(configuration: Configuration) -> tuple[Bearing, ...]:
         kind = bearing_kind(name)
         rollers = getattr(configuration.bearings, kind).rollers
         columns = (f"fx_{name}", f"fy_{name}")
-        bearings.append(Bearing(name, SHAFT_OF_BEARING[kind], columns, "N", rollers, orders[kind]))
+        bearings.append(Bearing(name, SHAFT_OF_BEARING[kind], columns, "N", rollers, orders[kind], optional=True))
     return tuple(bearings)

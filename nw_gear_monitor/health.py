@@ -69,20 +69,28 @@ def waiting(topic: str, machine: Machine) -> list[Status]:
 
 
 def stream_status(now: Continuity, before: Continuity) -> Status:
-    """The waveform's gaps, restarts and malformed blocks; WARN when there were new ones since `before`."""
+    """The waveform's gaps, restarts and unusable blocks, WARN when there are new ones since `before`; dead channels."""
     news = []
     if now.gaps > before.gaps or now.restarts > before.restarts:
         news.append(now.last_break)
     if now.malformed > before.malformed:
         news.append(f"dropped {now.malformed - before.malformed} malformed block(s), the last: {now.last_malformed}")
+    if now.repeated > before.repeated or now.disordered > before.disordered:
+        news.append(now.last_late)
+    if now.constant:
+        news.append(f"constant: {', '.join(now.constant)}")
     values = {
         "blocks (1)": str(now.blocks),
         "gaps (1)": str(now.gaps),
         "lost (s)": f"{now.lost_seconds:.6g}",
         "restarts (1)": str(now.restarts),
         "malformed blocks (1)": str(now.malformed),
+        "blocks that came twice (1)": str(now.repeated),
+        "blocks out of order (1)": str(now.disordered),
+        "constant columns": ", ".join(now.constant),
         "last break": now.last_break,
         "last malformed": now.last_malformed,
+        "last late": now.last_late,
     }
     return Status("stream", WARN if news else OK, "", "; ".join(news) or "contiguous", values)
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from nw_gear_common.tables import Array
 from nw_gear_monitor.indicators.bearing_orders import BearingOrders
-from nw_gear_monitor.signals.stream import Layout, Second
+from nw_gear_monitor.signals.layout import Layout
+from nw_gear_monitor.signals.stream import Second
 
 STROBES_PER_SECOND = 390.0
 """Points of the residual tests per second at the nominal speed, at least."""
@@ -97,6 +98,7 @@ class Bearing:
         unit: of the columns.
         rollers: their number; None where it isn't known.
         orders: knocks per turn of the shaft; None where they aren't known.
+        optional: whether a waveform may come without its columns.
     """
 
     name: str
@@ -105,6 +107,7 @@ class Bearing:
     unit: str = "N"
     rollers: int | None = None
     orders: BearingOrders | None = None
+    optional: bool = False
 
 
 @dataclass(frozen=True)
@@ -201,10 +204,12 @@ class Machine:
     def layout(self) -> Layout:
         """What the stream has to hold."""
         values = tuple(c.x for c in self.channels) + tuple(c.v for c in self.channels if c.v is not None)
+        values += tuple(column for b in self.bearings if not b.optional for column in b.columns)
+        optional = tuple(column for b in self.bearings if b.optional for column in b.columns)
         cycles: dict[str, float] = {}
         for stage in self.stages:
             cycles[stage.phase] = max(stage.cycles, cycles.get(stage.phase, 0.0))
-        return Layout(tuple(cycles), tuple(cycles.values()), tuple(dict.fromkeys(values)))
+        return Layout(tuple(cycles), tuple(cycles.values()), tuple(dict.fromkeys(values)), optional)
 
     def stage(self, name: str) -> Stage:
         """A stage by its name."""
@@ -226,6 +231,12 @@ class Machine:
         where = [second.columns.index(source) for source, _ in sources]
         data = second.data[:, where] * np.array([factor for _, factor in sources])
         return Second(second.start, second.epoch, second.rate, names, data)
+
+    def source(self, name: str) -> str:
+        """Column of the waveform that one inside the monitor comes from."""
+        everything = tuple(column for bearing in self.bearings for column in bearing.columns)
+        inside, sources = self._sources(everything)
+        return sources[inside.index(name)][0]
 
     def _sources(self, columns: tuple[str, ...]) -> tuple[tuple[str, ...], list[tuple[str, float]]]:
         """Names inside, and for each the waveform's column and a factor."""

@@ -135,6 +135,7 @@ class Pipeline:
             self._labeller.flush("the stream was interrupted")
             self._measuring.flush()
         turning = self._turns(second)
+        self._stream.continuity.constant = self._constant(second) if turning else ()
         if turning:
             stages, numbers = self._labeller.add(self._history)
             points = {stage: self._points(stage) for stage in self._machine.stage_names}
@@ -166,6 +167,11 @@ class Pipeline:
         frequency = (phase[-1] - phase[0]) * second.rate / (2.0 * np.pi * (phase.size - 1))
         grows = all(bool(np.all(np.diff(second.column(name)) > 0)) for name in columns)
         return grows and bool(frequency > STANDSTILL * self._machine.rated_frequency[0])
+
+    def _constant(self, second: Second) -> tuple[str, ...]:
+        """Columns of the waveform that say nothing: not one sample differs from the others."""
+        still = np.ptp(second.data, axis=0) == 0.0
+        return tuple(self._machine.source(name) for name, dead in zip(second.columns, still, strict=True) if dead)
 
     def _latest(self, columns: tuple[str, ...]) -> Array:
         """The newest spectrum window: a fixed number of samples, however many fell into each second."""

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nw_gear_common import names
 from nw_gear_common.tables import Array, Table
+from nw_gear_monitor.signals.late import Late
+from nw_gear_monitor.signals.layout import Layout, malformed
 
 STEP_TOLERANCE = 0.5
 """A stamp that is off by more than this share of a sample interval breaks the stream."""
@@ -22,24 +23,6 @@ PHASE_TOLERANCE = 0.1
 RATE_ROUNDING = 1e-3
 """A sample rate this close to a whole number (relative) is taken to be that number: stamps near the wall clock carry
 only 2.4e-7 s, 0.5 % of a block of two samples at 20 kHz, so that a measured rate needs rounding."""
-
-LEAST_ROWS = 2
-"""A block of one sample tells no sample rate."""
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Columns that a waveform has to have, besides `time`; their order doesn't matter.
-
-    Attributes:
-        phases: unwrapped phases, rad.
-        cycles: mesh cycles per turn of each (the largest, where several stages follow it).
-        values: everything else.
-    """
-
-    phases: tuple[str, ...]
-    cycles: tuple[float, ...]
-    values: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +57,8 @@ class Continuity:
         gaps, lost_seconds: stretches of missing samples and their total length (s).
         restarts: jumps back in time, jumps of phase, changes of columns or rate: each starts a new epoch.
         malformed, last_malformed: blocks dropped because they can't be read, and what was wrong with the last.
+        repeated, disordered, last_late: blocks dropped because they came twice or too late, and the last of them.
+        constant: columns that didn't change in the newest second although the machine turned.
         last_break: the latest gap or restart in words.
     """
 
@@ -83,6 +68,10 @@ class Continuity:
     restarts: int = 0
     malformed: int = 0
     last_malformed: str = ""
+    repeated: int = 0
+    disordered: int = 0
+    last_late: str = ""
+    constant: tuple[str, ...] = ()
     last_break: str = ""
 
 
@@ -102,9 +91,11 @@ class Stream:
         self._pieces: list[Array] = []
         self._tail: Array | None = None
         self._needs_rate = True
+        self._late = Late()
 
     def reset(self) -> None:
         """Forget the samples and start a new epoch; the counters stay."""
+        self._late.forget()
         self.epoch += 1
         self._pieces = []
         self._tail = None
@@ -117,12 +108,23 @@ class Stream:
             self.continuity.malformed += 1
             self.continuity.last_malformed = problem
             return []
-        self.continuity.blocks += 1
-        data = np.ascontiguousarray(table.data)
-        if table.columns != self.columns:
+        columns = self._layout.chosen(table.columns)
+        data = np.ascontiguousarray(table.data) if columns == table.columns else table.select(columns)
+        if columns != self.columns:
             if self.columns:
                 self._restart("the columns changed")
-            self.columns = table.columns
+            self.columns = columns
+        aside = self._late.begun_anew(data)
+        if aside is not None:
+            self._restart(f"time jumped back to {aside[0, 0]:.3f} s")
+            data = np.vstack([aside, data])
+        elif self._late.put_aside(data):
+            self._count_late(data[:, 0])
+            return []
+        self.continuity.blocks += 1
+        return self._take(data)
+
+    def _take(self, data: Array) -> list[Second]:
         if self._other_rate(data):
             self._restart(f"the sample rate changed from {self.rate:g} Hz to {_rate(data):g} Hz")
         seconds: list[Second] = []
@@ -131,7 +133,15 @@ class Stream:
                 self.reset()
             else:
                 seconds += self._append(piece)
+        self._late.accept(data[:, 0])
         return seconds
+
+    def _count_late(self, time: Array) -> None:
+        repeated = self._late.repeated(time)
+        self.continuity.repeated += repeated
+        self.continuity.disordered += not repeated
+        how = "came twice" if repeated else "came after later ones"
+        self.continuity.last_late = f"a block {how}: {time[0]:.3f} to {time[-1]:.3f} s"
 
     def _other_rate(self, data: Array) -> bool:
         if self._needs_rate or len(data) < 3 or not _contiguous(data[:, 0]):
@@ -212,24 +222,6 @@ class Stream:
     def _note(self, reason: str) -> None:
         self.continuity.restarts += 1
         self.continuity.last_break = reason
-
-
-def malformed(table: Table, layout: Layout) -> str:
-    """Say in words why a table can't be a block of the waveform; an empty text where it can."""
-    if table.row != names.ROW_SAMPLE:
-        return f"row meaning: expected {names.ROW_SAMPLE}, got {table.row or 'none'}"
-    wanted = ("time", *layout.phases, *layout.values)
-    missing = [name for name in wanted if name not in table.columns]
-    if missing:
-        return f"columns: expected {', '.join(wanted)}, got none named {', '.join(missing)}"
-    if len(set(table.columns)) != len(table.columns):
-        return "columns: expected different names, got a name twice"
-    if len(table) < LEAST_ROWS:
-        return f"rows: expected at least {LEAST_ROWS}, got {len(table)}"
-    if not np.isfinite(table.data).all():
-        column = table.columns[int(np.argmin(np.isfinite(table.data).all(axis=0)))]
-        return f"values: expected finite numbers, got others in column {column}"
-    return ""
 
 
 def _interval(data: Array) -> float:
