@@ -1,0 +1,1 @@
+"""Benchmark of the classifier of signals of unknown origin: systems, their true states, cases, measurement."""
