@@ -140,6 +140,7 @@ class Acceleration:
         self._bearings = [names.BEARINGS.index(b) for b in bearings]
         self._rate, self._rows = rate, int(rows)
         self.pending = np.empty((0, len(self.columns)))
+        self._starts = np.empty(0)
         self._told = np.zeros(inner.channels)
 
     def add(self, block: Block, start: float) -> None:
@@ -148,16 +149,18 @@ class Acceleration:
         first, samples = self.inner.advance(force)
         time = (first + np.arange(len(samples))) / self._rate
         self.pending = np.concatenate([self.pending, np.column_stack([time, samples])])
+        self._starts = np.concatenate([self._starts, np.full(len(samples), start)])
         while len(self.pending) >= self._rows:
             table = self.pending[: self._rows].copy()
-            table[:, 0] += start
+            starts = self._starts[: self._rows]
+            table[:, 0] += np.where(np.isnan(starts), start, starts)  # not known when a run is taken up again
             self.publisher.publish(to_message(Table(names.ROW_SAMPLE, self.columns, table)))
-            self.pending = self.pending[self._rows :]
+            self.pending, self._starts = self.pending[self._rows :], self._starts[self._rows :]
 
     def drop(self) -> None:
         """Begin anew."""
         self.inner.forget()
-        self.pending = self.pending[:0]
+        self.pending, self._starts = self.pending[:0], self._starts[:0]
         self._told[:] = 0.0
 
     def restore(self, values: Mapping[str, Any]) -> None:
@@ -170,7 +173,7 @@ class Acceleration:
             expected = f"less than {self._rows} rows of {len(self.columns)} columns"
             raise InputError(f"checkpoint: {_PENDING}", expected, f"shape {rows.shape}")
         self.inner.restore(_part(values, _ACCELERATION))
-        self.pending = rows.astype(np.float64)
+        self.pending, self._starts = rows.astype(np.float64), np.full(len(rows), np.nan)
         self._told = self.inner.clipped.copy()
 
     def clipped_since(self) -> dict[str, float]:

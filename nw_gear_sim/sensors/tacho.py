@@ -84,9 +84,10 @@ def _passing(before: Array, after: Array, target: Array) -> Array:
     first, last = step * before[:, 2], step * after[:, 2]
     square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
     wanted = target - before[:, 1]
-    share = np.clip(wanted / rise, 0.0, 1.0)
+    steady = np.where(rise > 0.0, rise, np.inf)
+    share = np.clip(wanted / steady, 0.0, 1.0)
     for _ in range(ITERATIONS):
         slope = first + share * (2.0 * square + 3.0 * cube * share)
         missing = wanted - share * (first + share * (square + cube * share))
-        share = np.clip(share + missing / np.where(slope > 0.0, slope, rise), 0.0, 1.0)
+        share = np.clip(share + missing / np.where(slope > 0.0, slope, steady), 0.0, 1.0)
     return np.asarray(before[:, 0] + share * step)

@@ -74,6 +74,17 @@ def test_a_shaft_at_rest_or_turning_back_gives_none() -> None:
     assert not Tacho(60).advance(time, -5 * time, np.full_like(time, -5.0)).size
 
 
+@pytest.mark.parametrize("start", [0.0, TURN / 6, 3 * TURN / 6, -7 * TURN / 6, 1e5])
+def test_a_shaft_that_stands_on_a_mark_and_then_turns(start: float) -> None:
+    """At rest for a second, then half a turn: the mark it stands on doesn't count, the next three do."""
+    time = np.arange(0, 2.0, 1 / RATE)
+    moving = np.maximum(time - 1.0, 0.0)
+    tacho, pieces = Tacho(6), np.split(np.arange(time.size), range(9, time.size, 997))
+    found = np.concatenate([tacho.advance(time[k], start + 3.3 * moving[k], 3.3 * (moving[k] > 0)) for k in pieces])
+    marks = np.arange(np.floor(start * 6 / TURN + 1e-9) + 1, np.floor((start + 3.3) * 6 / TURN) + 1) * TURN / 6
+    assert found == pytest.approx(1.0 + (marks - start) / 3.3, abs=1e-4)
+
+
 def test_a_checkpoint_goes_on_bit_for_bit() -> None:
     time = np.arange(int(0.5 * RATE)) / RATE
     first, second = Tacho(60), Tacho(60)
