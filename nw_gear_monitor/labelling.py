@@ -61,6 +61,7 @@ class Labeller:
         self._window.append(_line_second(self._machine, history))
         seconds = len(self._window)
         if seconds < LEAST_SECONDS:
+            self._explainer.prepare(list(self._window))
             state = State(names.UNKNOWN, f"{seconds} of at least {LEAST_SECONDS} s seen")
             return {stage: StageReport(p.reset(state), state, None) for stage, p in self._persistence.items()}, {}
         explained = self._explainer.explain(list(self._window))
@@ -84,11 +85,12 @@ class Labeller:
         channel = max(machine.places[stage], key=lambda c: explained.fit.residual[c])
         watched = machine.channels[channel]
         wanted = ("time", *machine.phase_columns, machine.x_columns[channel], machine.v_columns[channel])
-        columns = history.select(wanted, len(self._window))
+        seconds = len(explained.fit.seconds)
+        columns = history.select(wanted, seconds)
         time, phase, x, v = columns[:, 0], columns[:, 1:-2], columns[:, -2], columns[:, -1]
         own = phase[:, machine.stage_names.index(stage)] + watched.planet_phase
         per_cycle = machine.stage(stage).strobes
-        starts = np.array([second.start for second in self._window])
+        starts = np.array([second.start for second in self._window])[-seconds:]
         rest = line_residual(explained.fit, starts, time, machine.line_phase(phase), own, x, v, channel, per_cycle)
         tau, cycles_per_point, _ = tonal_share(rest)
         return tau, cycles_per_point * per_cycle, zero_one(strobes(rest, per_cycle)[-ZERO_ONE_STROBES:])

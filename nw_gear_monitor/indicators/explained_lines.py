@@ -20,6 +20,14 @@ from nw_gear_monitor.signals.normal import NormalSecond, normal_second
 
 LEAST_SHARE = 0.005
 LEAST_PART = 0.2
+AT_ONCE = 4
+"""Seconds whose normal equations are formed in one hop for a comb that is new, the newest first: 30 ms each."""
+LEAST_REFINED = 8
+"""Newest seconds that must be formed before a rebuilt comb is fitted."""
+EARLY = 4
+"""Seconds from which on subharmonics are looked for, so that the rebuilt comb is there when labels begin."""
+KEPT = 3
+"""Combs whose normal equations a second keeps: the base one and two rebuilt ones."""
 
 
 @dataclass(eq=False)
@@ -42,10 +50,14 @@ class LineSecond:
     def normal(self, comb: Comb) -> NormalSecond:
         """The normal equations of this second for a comb."""
         if comb not in self._formed:
-            if len(self._formed) > 1:  # the base comb and the refined one in use are enough
+            if len(self._formed) == KEPT:
                 self._formed.pop(list(self._formed)[1])
             self._formed[comb] = normal_second(self.time, self.phase, self.x, self.start, comb)
         return self._formed[comb]
+
+    def has(self, comb: Comb) -> bool:
+        """Whether they are formed already."""
+        return comb in self._formed
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,18 +107,42 @@ class LineExplainer:
         self.base = combs.base(frequency, shafts, sidebands)
         self._refined: dict[Subharmonic, Comb] = {}
 
+    def prepare(self, window: list[LineSecond]) -> None:
+        """Do the work for a window too short to be judged that later windows can build on; gives no result."""
+        window[-1].normal(self.base)
+        if len(window) >= EARLY:
+            found = self._best(self._first(window))
+            if found is not None:
+                _ready(window, self._rebuilt(found))
+
     def explain(self, window: list[LineSecond]) -> Explained:
-        """Fit the base comb; where a subharmonic is found, fit again with the comb rebuilt on it."""
-        rate = window[-1].rate
-        first = fit([second.normal(self.base) for second in window], self.base, rate, self._loaded)
+        """Fit the base comb; where a subharmonic is found, fit again with the comb rebuilt on it.
+
+        Forming a new comb's normal equations for a whole window takes too long for one hop. They are formed AT_ONCE
+        seconds a hop; until LEAST_REFINED are there, rho is that of the base comb less the subharmonic's share, and
+        until the window is complete the newest seconds that are there are fitted. All that depends on the seconds seen
+        since the window began, not on time.
+        """
+        first = self._first(window)
         found = self._best(first)
         if found is None:
             return Explained(first, self._rho(first), None, dict.fromkeys(self._places, 0.0))
+        shares = self._by_stage(first, first.candidates[found])
+        comb = self._rebuilt(found)
+        ready = _ready(window, comb)
+        if len(ready) < LEAST_REFINED:
+            rho = {stage: max(value - shares[stage], 0.0) for stage, value in self._rho(first).items()}
+            return Explained(first, rho, found, shares)
+        second_fit = fit([second.normal(comb) for second in ready], comb, window[-1].rate, self._loaded)
+        return Explained(second_fit, self._rho(second_fit), found, shares)
+
+    def _first(self, window: list[LineSecond]) -> LineFit:
+        return fit([second.normal(self.base) for second in window], self.base, window[-1].rate, self._loaded)
+
+    def _rebuilt(self, found: Subharmonic) -> Comb:
         if found not in self._refined:
             self._refined[found] = combs.refined(self.base, self._frequency, len(self._places), found)
-        comb = self._refined[found]
-        second_fit = fit([second.normal(comb) for second in window], comb, rate, self._loaded)
-        return Explained(second_fit, self._rho(second_fit), found, self._by_stage(first, first.candidates[found]))
+        return self._refined[found]
 
     def _best(self, first: LineFit) -> Subharmonic | None:
         """The candidate that explains the largest part of rho in a stage, if it passes; 4 is tried where 2 passed."""
@@ -142,6 +178,18 @@ class LineExplainer:
 
     def _rho(self, done: LineFit) -> dict[str, float]:
         return {stage: _ratio(done.residual[c], done.energy[c]) for stage, c in self._places.items()}
+
+
+def _ready(window: list[LineSecond], comb: Comb) -> list[LineSecond]:
+    """Form up to AT_ONCE more seconds, the newest first; returns the newest seconds that are formed without a hole."""
+    formed = 0
+    for count, second in enumerate(reversed(window)):
+        if not second.has(comb):
+            if formed == AT_ONCE:
+                return window[len(window) - count :]
+            second.normal(comb)
+            formed += 1
+    return window
 
 
 def _ratio(part: Array, whole: Array, nothing: float = float("nan")) -> float:

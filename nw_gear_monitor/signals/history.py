@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,7 +34,8 @@ class History:
         broken = last is not None and (second.epoch != last.epoch or second.start != last.start + 1)
         if broken:
             self._seconds.clear()
-        self._seconds.append(second)
+        # column by column in memory: windows are put together from columns
+        self._seconds.append(replace(second, data=np.asfortranarray(second.data)))
         return broken
 
     def clear(self) -> None:
@@ -50,9 +52,12 @@ class History:
         return list(self._seconds)[-seconds:]
 
     def select(self, columns: Sequence[str], seconds: int) -> Array:
-        """Named columns of the latest seconds, an array (samples, len(columns))."""
+        """Named columns of the latest seconds, an array (samples, len(columns)) whose columns are contiguous."""
         where = [self.newest.columns.index(self._derived.get(name, name)) for name in columns]
-        data = np.concatenate([second.data[:, where] for second in self.last(seconds)])
+        pieces = [second.data for second in self.last(seconds)]
+        data = np.empty((sum(len(piece) for piece in pieces), len(where)), order="F")
+        for column, source in enumerate(where):
+            np.concatenate([piece[:, source] for piece in pieces], out=data[:, column])
         made = [i for i, name in enumerate(columns) if name in self._derived]
         if made:
             data[:, made] = derivative(data[:, made], self.newest.rate)
