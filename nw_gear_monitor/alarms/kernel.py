@@ -10,6 +10,9 @@ Statistics of one bin are rows of an array (ROWS, features), the state of the al
   spread of correlated values comes out too small by (n - 1)/n: s^2 (n + 1)/(n - 1) is the variance of a new value about
   the learned mean.
 - limit = exp(mean + k s) - offset, s at least LEAST_SPREAD.
+- A fault must not become the standard in the windows before it is found. Once a bin judges, a value over the limit of
+  WARN is learned as that limit (Winsor's way) where none of the four windows before was over it, else not at all; nor
+  is one over the limit of ERROR, nor any while the alarm lasts.
 - A latch is set where 3 of the last 5 judged windows were over its limit, released after 5 in a row under 0.9 of it.
   Both latches give the level: ERROR, else WARN, else OK.
 """
@@ -32,6 +35,7 @@ windows above the mean and their sum of squared deviations."""
 WINDOWS, NEEDED = 5, 3
 CLEARED = 0.9
 ALL_BITS = (1 << WINDOWS) - 1
+RECENT_BITS = ALL_BITS >> 1
 
 Whole = npt.NDArray[np.int64]
 
@@ -78,6 +82,24 @@ def learn(statistics: Array, feature: int, y: float, tick: float, spacing: float
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
+def judge(states: Whole, feature: int, x: float, warn: float, error: float) -> bool:
+    """Take one window into the latches of a feature; whether one of them is set."""
+    alarmed = False
+    for k in range(2):
+        bits, under, is_set = latch(
+            states[3 * k, feature],
+            states[3 * k + 1, feature],
+            states[3 * k + 2, feature] != 0,
+            x,
+            warn if k == 0 else error,
+        )
+        states[3 * k, feature], states[3 * k + 1, feature] = bits, under
+        states[3 * k + 2, feature] = 1 if is_set else 0
+        alarmed |= is_set
+    return alarmed
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
 def window(
     which: Whole,
     values: Array,
@@ -105,19 +127,15 @@ def window(
     """
     for i in range(which.size):
         feature, x, offset = which[i], values[i], offsets[i]
-        judges = statistics[INDEPENDENT, feature] >= windows[0]
-        outlier = False
-        if judges:
-            for k in range(2):
-                bound = limit(statistics, feature, offset, deviations[k])
-                bits, under, is_set = latch(
-                    states[3 * k, feature], states[3 * k + 1, feature], states[3 * k + 2, feature] != 0, x, bound
-                )
-                states[3 * k, feature], states[3 * k + 1, feature] = bits, under
-                states[3 * k + 2, feature] = 1 if is_set else 0
-                outlier |= is_set or (k == 1 and x > bound)
-        if learning and not outlier and statistics[INDEPENDENT, feature] < windows[1]:
-            learn(statistics, feature, math.log(x + offset), tick, spacing)
+        fit, y = True, math.log(x + offset)
+        if statistics[INDEPENDENT, feature] >= windows[0]:
+            warn = limit(statistics, feature, offset, deviations[0])
+            error = limit(statistics, feature, offset, deviations[1])
+            fit = x <= warn or (x <= error and states[0, feature] & RECENT_BITS == 0)
+            y = math.log(min(x, warn) + offset)
+            fit &= not judge(states, feature, x, warn, error)
+        if learning and fit and statistics[INDEPENDENT, feature] < windows[1]:
+            learn(statistics, feature, y, tick, spacing)
 
 
 def levels(states: Whole) -> Whole:

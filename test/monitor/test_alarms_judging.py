@@ -167,6 +167,27 @@ def test_what_raises_an_alarm_is_not_learned():
     assert np.array_equal(block, before, equal_nan=True)
 
 
+def learned(extra):
+    """Statistics of 100 windows in which the spread is 0.1, and of further ones (nan: one at the limit of WARN)."""
+    block = empty(1)
+    run(block, np.random.default_rng(4).normal(scale=0.1, size=(100, 1)), learning=True)
+    bound = math.log(kernel.limit(block, 0, 0.0, 3.0))
+    values = np.where(np.isnan(extra), bound, extra)
+    states = np.zeros((6, 1), dtype=np.int64)
+    for tick, value in enumerate(values, start=101):
+        x = np.array([math.exp(value)])
+        kernel.window(np.array([0]), x, np.zeros(1), 1.0, float(tick), block, states, (3.0, 6.0), (20.0, 1e9), True)
+    return block
+
+
+def test_a_single_value_over_the_limit_is_learned_as_the_limit_and_those_after_it_are_not():
+    assert learned([0.45]) == pytest.approx(learned([math.nan]), rel=1e-9)
+    assert learned([0.45, 0.45, 0.0]) == pytest.approx(learned([math.nan, 0.0]), rel=1e-2)
+    assert learned([0.45, 0.45])[kernel.COUNT, 0] == 101
+    assert learned([0.45, 0.0, 0.0, 0.0, 0.0, 0.45])[kernel.COUNT, 0] == 106
+    assert learned([50.0])[kernel.COUNT, 0] == 100  # over the limit of ERROR
+
+
 def test_learning_ends_where_enough_is_known():
     block = empty(1)
     states = np.zeros((6, 1), dtype=np.int64)
