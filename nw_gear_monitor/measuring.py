@@ -56,6 +56,7 @@ class Measuring:
         stages, count = len(machine.stages), len(machine.channels)
         turns = self._turns(history) if turning else {}
         tables = {}
+        # a channel that doesn't move has no indicators, rather than an rms of zero
         for number, channel in enumerate(machine.channels):
             window = MeshWindow(
                 channel.name,
@@ -69,7 +70,7 @@ class Measuring:
                 machine.stage(channel.stage).half_gap,
                 self._memory[channel.name],
             )
-            tables[channel.name] = registry.evaluate(time, window)
+            tables[channel.name] = registry.evaluate(time, window if np.ptp(window.x) > 0.0 else None)
         return tables
 
     def bearings(self, time: float, history: History, turning: bool) -> dict[str, Table]:
@@ -80,7 +81,8 @@ class Measuring:
             if all(name in history.newest.columns for name in own):
                 filled = len(history) >= self._short
                 window = self._bearing(bearing, own, history, turning) if filled else None
-                tables[bearing.name] = bearing_registry.evaluate(time, window)
+                alive = window is not None and bool(np.any(np.ptp(window.components, axis=0) > 0.0))
+                tables[bearing.name] = bearing_registry.evaluate(time, window if alive else None)
         return tables
 
     def _section(self, channel: str) -> Array | None:

@@ -13,11 +13,13 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.quantities import quantity
 from nw_gear_common.tables import Array, Table
+from nw_gear_monitor.indicators.window import LineResult
 from nw_gear_monitor.labelling import Labeller, StageReport
 from nw_gear_monitor.machine import Machine
 from nw_gear_monitor.measuring import Measuring, columns_of
 from nw_gear_monitor.operating import Operating, operating_point
 from nw_gear_monitor.signals.history import History
+from nw_gear_monitor.signals.linefit import NYQUIST_SHARE
 from nw_gear_monitor.signals.section import section
 from nw_gear_monitor.signals.spectrum import ORDER_CYCLES, amplitude_spectrum, order_spectrum, orders
 from nw_gear_monitor.signals.stream import Continuity, Second, Stream
@@ -119,8 +121,7 @@ class Pipeline:
 
     def reject(self, reason: str) -> None:
         """Count a block that could not even be turned into a table."""
-        self._stream.continuity.malformed += 1
-        self._stream.continuity.last_malformed = reason
+        self._stream.reject(reason)
 
     def feed(self, table: Table) -> list[Hop]:
         """Take one block of the waveform in; returns a result for each second that it completed.
@@ -137,7 +138,7 @@ class Pipeline:
         turning = self._turns(second)
         self._stream.continuity.constant = self._constant(second) if turning else ()
         if turning:
-            stages, numbers = self._labeller.add(self._history)
+            stages, numbers = self._labelled(second)
             points = {stage: self._points(stage) for stage in self._machine.stage_names}
             for own in points.values():
                 self._measuring.strobe(own)
@@ -160,6 +161,15 @@ class Pipeline:
             operating=operating_point(second, self._machine),
             rate=second.rate,
         )
+
+    def _labelled(self, second: Second) -> tuple[dict[str, StageReport], dict[str, LineResult]]:
+        """States of the stages; none where the samples can't carry every mesh line, which would show as another."""
+        ends = np.column_stack([second.column(name)[[0, -1]] for name in self._machine.phase_columns])
+        fastest = float(np.max(ends[1] - ends[0])) * second.rate / (2.0 * np.pi * (len(second.data) - 1))
+        if fastest > NYQUIST_SHARE * second.rate:
+            reason = f"{second.rate:g} samples a second are too few for a mesh frequency of {fastest:.4g} Hz"
+            return self._labeller.flush(reason), {}
+        return self._labeller.add(self._history)
 
     def _turns(self, second: Second) -> bool:
         columns = self._machine.phase_columns

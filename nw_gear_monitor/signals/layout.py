@@ -52,10 +52,15 @@ def malformed(table: Table, layout: Layout) -> str:
         return "columns: expected different names, got a name twice"
     if len(table) < LEAST_ROWS:
         return f"rows: expected at least {LEAST_ROWS}, got {len(table)}"
-    chosen = layout.chosen(table.columns)
+    return _wrong_values(table, layout.chosen(table.columns))
+
+
+def _wrong_values(table: Table, chosen: tuple[str, ...]) -> str:
     data = table.data if chosen == table.columns else table.select(chosen)
     usable = np.abs(data) < LARGEST  # False for NaN
     if not usable.all():
         column = chosen[int(np.argmin(usable.all(axis=0)))]
         return f"values: expected finite numbers, got others in column {column}"
+    if not np.median(np.diff(data[:, 0])) > 0.0:
+        return "time: expected stamps that ascend, got others"
     return ""

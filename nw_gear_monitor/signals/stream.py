@@ -24,6 +24,9 @@ RATE_ROUNDING = 1e-3
 """A sample rate this close to a whole number (relative) is taken to be that number: stamps near the wall clock carry
 only 2.4e-7 s, 0.5 % of a block of two samples at 20 kHz, so that a measured rate needs rounding."""
 
+LEAST_RATE = 64.0
+"""Fewer samples per second than this aren't taken for a waveform (Hz)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Second:
@@ -105,8 +108,7 @@ class Stream:
         """Take one block in and return the seconds that became whole with it, oldest first."""
         problem = malformed(table, self._layout)
         if problem:
-            self.continuity.malformed += 1
-            self.continuity.last_malformed = problem
+            self.reject(problem)
             return []
         columns = self._layout.chosen(table.columns)
         data = np.ascontiguousarray(table.data) if columns == table.columns else table.select(columns)
@@ -121,8 +123,16 @@ class Stream:
         elif self._late.put_aside(data):
             self._count_late(data[:, 0])
             return []
+        if _rate(data) < LEAST_RATE:
+            self.reject(f"sample rate: expected at least {LEAST_RATE:g} Hz, got {_rate(data):g} Hz")
+            return []
         self.continuity.blocks += 1
         return self._take(data)
+
+    def reject(self, reason: str) -> None:
+        """Count a block that can't be read."""
+        self.continuity.malformed += 1
+        self.continuity.last_malformed = reason
 
     def _take(self, data: Array) -> list[Second]:
         if self._other_rate(data):
