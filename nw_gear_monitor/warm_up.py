@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from nw_gear_common import names
@@ -14,18 +16,22 @@ from nw_gear_monitor.operating import Operating
 from nw_gear_monitor.pipeline import Pipeline
 from nw_gear_monitor.stage_state import LEAST_SECONDS
 
-RATE = 640
+LEAST_RATE = 640
+SAMPLES_PER_CYCLE = 3.0
+"""Of the fastest mesh: with fewer the monitor wouldn't look for lines."""
 SAMPLE = "rms"
 """An indicator that raises alarms."""
 
 
 def warm_up(machine: Machine) -> None:
     """Feed a noise of a little more than the shortest labelled window through a pipeline of its own."""
-    samples = RATE * LEAST_SECONDS + 1
+    rate = max(LEAST_RATE, math.ceil(SAMPLES_PER_CYCLE * float(np.max(machine.rated_frequency))))
+    samples = rate * LEAST_SECONDS + 1
     layout = machine.layout
-    columns = ("time", *layout.phases, *layout.values)
+    bearings = (column for bearing in machine.bearings for column in bearing.columns)
+    columns = tuple(dict.fromkeys(("time", *layout.phases, *layout.values, *bearings)))
     data = 1e-6 * np.random.default_rng(0).standard_normal((samples, len(columns)))
-    data[:, 0] = np.arange(samples) / RATE
+    data[:, 0] = np.arange(samples) / rate
     turns = [next(s.frequency / s.cycles for s in machine.stages if s.phase == phase) for phase in layout.phases]
     data[:, 1 : 1 + len(turns)] = 2.0 * np.pi * np.outer(data[:, 0], turns)
     Pipeline(machine).feed(Table(names.ROW_SAMPLE, columns, data))

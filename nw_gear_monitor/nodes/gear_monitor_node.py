@@ -28,6 +28,7 @@ from nw_gear_monitor.gearing import gearing
 from nw_gear_monitor.machine import Machine
 from nw_gear_monitor.machinefile.read import load
 from nw_gear_monitor.nodes.alarm_watch import AlarmWatch, WatchSettings
+from nw_gear_monitor.nodes.computation import HOP_SECONDS, Computation
 from nw_gear_monitor.nodes.monitor_publishing import Publishing
 from nw_gear_monitor.pipeline import Hop, Pipeline
 from nw_gear_monitor.signals.stream import Continuity
@@ -37,7 +38,6 @@ from nw_gear_sim import config
 WAVEFORM_DEPTH = 1000
 """Blocks that may wait in the middleware while a hop is computed or samples come much faster than real time."""
 JOIN_WITHIN = 4.0
-HOP_SECONDS = 1.0
 
 
 @dataclass(frozen=True)
@@ -50,39 +50,6 @@ class Settings(WatchSettings):
     stale_after: float = quantity(
         2.0, "Wall time without samples after which every state is stale.", "s", minimum=0.1, maximum=3600.0
     )
-
-
-@dataclass
-class Computation:
-    """Wall time spent on hops (s)."""
-
-    hops: int = 0
-    last: float = 0.0
-    largest: float = 0.0
-    total: float = 0.0
-    overruns: int = 0
-
-    def add(self, seconds: float) -> None:
-        """Count one hop."""
-        self.hops += 1
-        self.last = seconds
-        self.largest = max(self.largest, seconds)
-        self.total += seconds
-        self.overruns += seconds > HOP_SECONDS
-
-    def status(self, backlog: int) -> health.Status:
-        """The entry for `/diagnostics`."""
-        values = {
-            "hop (s)": f"{self.last:.4f}",
-            "largest hop (s)": f"{self.largest:.4f}",
-            "mean hop (s)": f"{self.total / max(self.hops, 1):.4f}",
-            "hops (1)": str(self.hops),
-            "overruns (1)": str(self.overruns),
-            "blocks waiting (1)": str(backlog),
-        }
-        late = self.last > HOP_SECONDS
-        reason = f"a hop took {self.last:.2f} s" if late else "keeping up"
-        return health.Status("computation", health.WARN if late else health.OK, "", reason, values)
 
 
 class GearMonitorNode(Node):

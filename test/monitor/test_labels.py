@@ -179,8 +179,11 @@ def test_results_do_not_depend_on_the_cut_or_on_when_it_started_to_listen():
         for name in ("spectrum", "orders"):
             assert getattr(other, name).data == pytest.approx(getattr(first[-1], name).data, rel=1e-9, abs=1e-18)
         for mesh in names.MESHES:
-            mine, theirs = first[-1].indicators[mesh].data, other.indicators[mesh].data
-            assert theirs == pytest.approx(mine, rel=1e-9, abs=1e-18, nan_ok=True)
+            mine, theirs = (hop.indicators[mesh] for hop in (first[-1], other))
+            own = [c for c in mine.columns if other is second[-1] or not c.startswith("na4")]  # NA4 counts from the start
+            assert theirs.select(own) == pytest.approx(mine.select(own), rel=1e-9, abs=1e-18, nan_ok=True)
+        for bearing, mine in first[-1].bearing_indicators.items():
+            assert other.bearing_indicators[bearing].data == pytest.approx(mine.data, rel=1e-9, abs=1e-18, nan_ok=True)
         for stage in names.STAGES:
             assert other.sections[stage].data == pytest.approx(first[-1].sections[stage].data, rel=1e-9)
 
