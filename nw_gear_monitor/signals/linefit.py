@@ -18,7 +18,7 @@ from nw_gear_monitor.signals.normal import SHAPES, NormalSecond, design
 Flags = npt.NDArray[np.bool_]
 Indices = npt.NDArray[np.intp]
 
-RIDGES = (1e-10, 1e-7, 1e-4)
+RIDGES = (1e-10, 1e-7, 1e-4, 1e-2)
 """Added to the diagonal of the scaled matrix, the first that makes it solvable: harmless next to any noise."""
 NYQUIST_SHARE = 0.45
 GONE = 1e-9
