@@ -9,6 +9,7 @@ from std_srvs.srv import Trigger
 from nw_gear_common import names
 from nw_gear_common.ros import from_message
 from nw_gear_monitor.records.reader import Recording
+from nw_gear_monitor.signals.tacho import read_pulses, strongest, tacho_orders
 from test.system.processes import Probe, running
 
 COMPILING = 120.0
@@ -59,6 +60,59 @@ def test_both_topics_come_and_are_recorded_and_read_back(tmp_path):
         for topic, expected in ((ACCELERATION, samples), (TACHO, pulses[:, None])):
             found = np.vstack([t.data for _time, t in recording.tables(topic)])
             assert np.array_equal(found, expected)
+
+
+@pytest.mark.slow
+def test_orders_from_a_recording_in_wind_and_its_replay(tmp_path):
+    """Wind, gearbox, recorder; then from acceleration and pulses alone the orders that the true phase gives.
+
+    The line of stage II passes a resonance while the speed changes, so that its phase runs: it isn't just where the
+    teeth put it, by either way.
+    """
+    folder = tmp_path / "run"
+    with Probe() as probe:
+        heard = listen(probe)
+        parameters = ["real_time_factor:=0.0", "wait_for:=2", "duration:=20.0"]
+        with (
+            running("recorder_node", [f"uri:={folder}"]) as recorder,
+            running("gear_sim_node", parameters) as sim,
+            running("wind_node", ["seed:=3", "use_sim_time:=true"]) as wind,
+        ):
+            probe.wait_until(lambda: sim.code is not None, recorder, wind, limit=COMPILING)
+            assert sim.code == 0, sim.report()
+            recorder.interrupt()
+            assert recorder.wait() == 0, recorder.report()
+        with Recording.open(folder) as recording:
+            table = np.vstack([t.data for _time, t in recording.tables(ACCELERATION)])
+            times = np.vstack([t.data for _time, t in recording.tables(TACHO)])[:, 0]
+            known = np.vstack([t.select(["time", "phase_III"]) for _time, t in recording.tables("/nw_gear/waveform")])
+        complete = lambda: (  # noqa: E731
+            sum(len(m.data) for m in heard[ACCELERATION]) == table.size
+            and sum(len(m.data) for m in heard[TACHO]) == times.size
+        )
+        probe.wait_until(complete)  # the reader lags behind the processes
+        columns = from_message(heard[ACCELERATION][0], ACCELERATION).columns
+        for messages in heard.values():
+            messages.clear()
+        replayed = [f"uri:={folder}", "rate:=10.0", "wait_for:=1"]
+        with running("replay_node", replayed) as replay:
+            probe.wait_until(lambda: replay.code is not None, limit=COMPILING)
+            assert replay.code == 0, replay.report()
+            probe.wait_until(complete)
+    assert np.array_equal(rows(heard[ACCELERATION], ACCELERATION), table)
+    assert np.array_equal(rows(heard[TACHO], TACHO)[:, 0], times)
+    pulses = read_pulses(times)
+    assert pulses.faults == ()
+    turns = known[:, 1] / (20 * 2 * np.pi)
+    marks = np.arange(np.ceil(64 * turns[0]), 64 * turns[-1]) / 64
+    truth = read_pulses(np.interp(marks, turns, known[:, 0]), 64)
+    for column, order in (("ax_pb1_1", 91 / RATIO), ("ax_sb", 91 / 22 * 83 / RATIO), ("ax_b21", 20.0)):
+        x = table[:, columns.index(column)]
+        found, expected = (
+            strongest(tacho_orders(p, table[:, 0], x), 0.98 * order, 1.02 * order) for p in (pulses, truth)
+        )
+        assert found == pytest.approx(expected, rel=1e-3)
+        assert found[0] == pytest.approx(order, rel=3e-3)
 
 
 def test_what_is_beyond_the_range_is_said():
