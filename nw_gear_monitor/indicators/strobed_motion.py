@@ -49,28 +49,27 @@ def detrended(points: Array) -> Array:
     return rest
 
 
-def strobed_motion(strobes: Array, deviation: float) -> tuple[float, ...]:
+def strobed_motion(strobes: Array, deviation: tuple[float, float]) -> tuple[float, ...]:
     """Entropies and recurrence of a section.
 
     Args:
         strobes: (points, 2) x and v once per mesh cycle, m and m/s; the newest MOST + TREND - 1 count.
-        deviation: standard deviation of x over all phases, m.
+        deviation: standard deviations of x and v over all phases, m and m/s.
 
     Returns:
-        One number per column of INDICATOR; NaN with fewer than LEAST points, for a section that is a single point
-        (see LEAST_SPREAD), and for a quantity that isn't defined.
+        One number per column of INDICATOR, recurrence and dimension from x alone where v is a single value; NaN with
+        fewer than LEAST points, for a section that is a single point (see LEAST_SPREAD), and for a quantity that isn't
+        defined.
     """
     nothing = (math.nan,) * len(INDICATOR.columns)
     if len(strobes) < LEAST + TREND - 1:
         return nothing
     rest = detrended(strobes[-(MOST + TREND - 1) :])
+    wide = [float(np.std(c)) > LEAST_SPREAD * whole for c, whole in zip(rest.T, deviation, strict=True)]
     x = rest[:, 0]
-    if not float(np.std(x)) > LEAST_SPREAD * deviation:
+    if not wide[0]:
         return nothing
-    try:
-        points = strobed(x, rest[:, 1])
-    except InputError:
-        return nothing
+    points = strobed(x, rest[:, 1]) if wide[1] else x[:, None] / float(np.std(x))
     entropies = [_defined(lambda: permutation_entropy(x)), _defined(lambda: sample_entropy(x))]
     entropies.append(_defined(lambda: dispersion_entropy(x)))
     dimension = _defined(lambda: correlation_dimension(points, theiler=THEILER).dimension)
@@ -91,7 +90,7 @@ def _defined(compute: Callable[[], float]) -> float:
 def _compute(window: MeshWindow) -> tuple[float, ...]:
     if window.strobes is None:
         return (math.nan,) * len(INDICATOR.columns)
-    return strobed_motion(window.strobes, float(np.std(window.x)))
+    return strobed_motion(window.strobes, (float(np.std(window.x)), float(np.std(window.v))))
 
 
 INDICATOR = Indicator(
