@@ -170,7 +170,8 @@ def declare_parameters(
         except rclpy.exceptions.ParameterException as error:
             got = repr(node._parameter_overrides[name].value) if name in node._parameter_overrides else str(error)
             raise InputError(place, description.expected(kind), got) from None
-        values[name] = check_value(place, _from_parameter(value), kind, description)
+        given = () if value is None and typing.get_origin(kind) is tuple else _from_parameter(value)  # [] has no type
+        values[name] = check_value(place, given, kind, description)
     settings = cls(**values)
     if on_change is not None:
         _follow_changes(node, settings, on_change)

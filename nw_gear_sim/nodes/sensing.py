@@ -30,7 +30,7 @@ _PENDING, _COLUMNS, _SHAFT = "sensors.pending", "sensors.columns", "sensors.shaf
 
 def wanted(settings: Settings) -> bool:
     """Whether there is any sensor."""
-    return bool(_bearings(settings)) or bool(settings.tacho_shaft)
+    return bool(settings.accelerometers) or bool(settings.tacho_shaft)
 
 
 class Sensing:
@@ -47,7 +47,7 @@ class Sensing:
     """
 
     def __init__(self, node: Node, settings: Settings, configuration: Configuration, force_rate: float) -> None:
-        bearings = _bearings(settings)
+        bearings = settings.accelerometers
         self._accelerometers: Acceleration | None = None
         self._tacho: Pulses | None = None
         if bearings:
@@ -197,10 +197,6 @@ class Pulses:
         if times.size:
             table = Table(names.ROW_PULSE, names.TACHO_COLUMNS, (start + times)[:, None])
             self.publisher.publish(to_message(table))
-
-
-def _bearings(settings: Settings) -> tuple[str, ...]:
-    return tuple(bearing for bearing in settings.accelerometers if bearing)
 
 
 def _sensor(settings: Settings) -> Sensor:

@@ -64,8 +64,8 @@ class Settings:
     )
     accelerometers: tuple[str, ...] = quantity(
         names.WAVEFORM_BEARINGS,
-        "Bearings whose housings carry an accelerometer in x and y; [''] = none.",
-        choices=("", *names.BEARINGS),
+        "Bearings whose housings carry an accelerometer in x and y; [] = none.",
+        choices=names.BEARINGS,
     )
     acceleration_rate: float = quantity(
         0.0,

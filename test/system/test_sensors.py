@@ -166,7 +166,7 @@ def finish(probe, sim, heard):
 def test_without_sensors_there_are_no_such_topics():
     with Probe() as probe:
         blocks = probe.collect(Float64MultiArray, "/nw_gear/waveform")
-        parameters = ["config:=rated", "accelerometers:=['']", "tacho_shaft:=''"]
+        parameters = ["config:=rated", "accelerometers:=[]", "tacho_shaft:=''"]
         with running("gear_sim_node", parameters) as sim:
             probe.wait_until(lambda: len(blocks) >= 3, sim, limit=COMPILING)
             there = {name for name, _types in probe.node.get_topic_names_and_types()}
