@@ -61,6 +61,7 @@ setup(
             "simulator = nw_gear_sim.bench.measure:measure",
         ],
         "nw_gear.commands": [
+            "analyse = nw_gear_monitor.analyse.command:analyse",
             "bench = nw_gear_common.bench:bench",
             "demo = nw_gear_common.demo:demo",
             "review = nw_gear_monitor.review.command:review",
@@ -68,6 +69,7 @@ setup(
             "modes = nw_gear_sim.commands.modes:modes",
             "equilibrium = nw_gear_sim.commands.equilibrium:equilibrium",
             "study = nw_gear_sim.commands.study:study",
+            "import = nw_gear_monitor.foreign.command:import_file",
             "recover = nw_gear_monitor.records.command_recover:recover",
         ],
     },
