@@ -68,9 +68,7 @@ class GearSimNode(Node):
         self._input = INPUT_TOPIC[needs[0]] if needs else ""
         self._inflows = Inflows(needs, in_step=self._clocked)
         self._progress = Progress(self._input, waits=self._clocked)
-        self._ticking = threading.Lock()
-        self._paused = threading.Event()
-        self._reset = threading.Event()
+        self._ticking, self._paused, self._reset = threading.Lock(), threading.Event(), threading.Event()
         self._waveform = Waveform(self, self._session.rows, settings.waveform_bearings)
         self._sensing = Sensing(self, settings, self._configuration, self._session.fine_rate)
         self._views = Views(self, settings.view_rate)
@@ -84,15 +82,12 @@ class GearSimNode(Node):
         self.create_service(Trigger, "~/checkpoint", self._on_checkpoint)
         for remark in (*self._session.source.remarks, *remarks(self._configuration, derive(self._configuration))):
             self.get_logger().warning(remark)
-        self._origin = 0.0
+        self._origin = self._next_report = 0.0
         self._refused = 0
-        self._resumed = False
-        self._starved = False
+        self._resumed = self._starved = self._warned = False
         self._held: float | None = None
         self._pace = Pace(settings.real_time_factor, time.monotonic(), 0.0)
         self._busy = Busy(time.monotonic())
-        self._warned = False
-        self._next_report = 0.0
         self._thread = threading.Thread(target=self._work, name="integration", daemon=True)
         self._thread.start()
 
