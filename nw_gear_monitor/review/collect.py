@@ -45,6 +45,12 @@ class Series:
         return self._envelope.result()
 
 
+def missing_columns(columns: tuple[str, ...]) -> list[str]:
+    """Columns of the built-in gearbox's waveform that aren't there; any means that it is another machine's."""
+    wanted = [f"phase_{s}" for s in names.STAGES] + [f"x_{m}" for m in names.MESHES]
+    return [name for name in wanted if name not in columns]
+
+
 class WaveformCollector:
     """Envelopes, statistics, gaps and the last seconds of `waveform`."""
 

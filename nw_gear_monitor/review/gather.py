@@ -10,7 +10,7 @@ import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.tables import Table
-from nw_gear_monitor.review.collect import SECTION_SECONDS, RowsCollector, Series, WaveformCollector
+from nw_gear_monitor.review.collect import SECTION_SECONDS, RowsCollector, Series, WaveformCollector, missing_columns
 from nw_gear_monitor.review.collect_spectra import SpectraCollector
 from nw_gear_monitor.review.collect_status import DiagnosticsCollector, TruthCollector
 from nw_gear_monitor.review.decimate import Tail
@@ -50,6 +50,7 @@ class Gatherer:
             names.ORDERS: self._orders,
             **{names.section_topic(s): self._section(s) for s in names.STAGES},
             **{names.indicators_topic(m): self._indicators(m) for m in names.MESHES},
+            **{names.indicators_topic(b): self._bearing_row(b) for b in names.BEARINGS},
         }
 
     @property
@@ -68,6 +69,7 @@ class Gatherer:
         self._spectra: dict[str, SpectraCollector] = {}
         self._sections = {s: Tail(SECTION_SECONDS) for s in names.STAGES}
         self._rows: dict[str, RowsCollector] = {}
+        self._bearing_rows: dict[str, RowsCollector] = {}
         self._states = DiagnosticsCollector()
         self._known = TruthCollector()
 
@@ -117,11 +119,25 @@ class Gatherer:
         if self._waveform is not None and time[0] < self._waveform.last - BACKWARD:
             self._restarts += 1
             self._fresh()
+        missing = missing_columns(table.columns)
+        if missing:
+            self._foreign(missing[0])
+            self._seen(float(time[0]), float(time[-1]))
+            return
         if self._waveform is None or self._waveform.columns != table.columns:
             self._waveform = WaveformCollector(table.columns)
         if time[0] > self._waveform.last:
             self._seen(float(time[0]), float(time[-1]))
             self._waveform.add(table.data)
+
+    def _foreign(self, missing: str) -> None:
+        """Say once that the waveform is of a machine that this report can't draw."""
+        words = (
+            f"The waveform is that of another machine (it has no column {missing}). The report draws the built-in "
+            "gearbox alone: of this machine it shows states and alarms, but no waveform, spectra, sections or indicators."
+        )
+        if words not in self.remarks:
+            self.remarks.append(words)
 
     def _moment(self, log_time: float) -> float:
         """Stamp of the newest sample, or the log time where there are none."""
@@ -149,9 +165,13 @@ class Gatherer:
             if mesh == names.MESHES[0] and np.isfinite(table.data[-1, 1:]).any():  # its window is filled: so is theirs
                 for collector in self._spectra.values():
                     collector.made(log_time, float(table.column("time")[-1]))
-            if mesh not in self._rows or self._rows[mesh].columns != table.columns:
-                self._rows[mesh] = RowsCollector(table.columns)
-            self._rows[mesh].add(table.data)
+            _add_row(self._rows, mesh, table)
+
+        return take
+
+    def _bearing_row(self, bearing: str) -> Callable[[float, Table], None]:
+        def take(_log_time: float, table: Table) -> None:
+            _add_row(self._bearing_rows, bearing, table)
 
         return take
 
@@ -201,9 +221,17 @@ class Gatherer:
             orders=spectra.get(names.ORDERS),
             sections={stage: points for stage, points in sections.items() if points is not None},
             indicators={mesh: rows.result() for mesh, rows in sorted(self._rows.items())},
+            bearing_indicators={bearing: rows.result() for bearing, rows in self._bearing_rows.items()},
             spans=self._states.result(start, end),
             values=self._states.values,
             truth=self._known.last,
             truth_means=self._known.means(),
             truth_message=self._known.message,
         )
+
+
+def _add_row(rows: dict[str, RowsCollector], place: str, table: Table) -> None:
+    """Take a row of indicators; a table with other columns starts over."""
+    if place not in rows or rows[place].columns != table.columns:
+        rows[place] = RowsCollector(table.columns)
+    rows[place].add(table.data)

@@ -119,6 +119,7 @@ class RunData:
         waveform, spectra, orders: see there.
         sections: last points of each stage, columns time, planet, x, v.
         indicators: rows of each mesh.
+        bearing_indicators: rows of each bearing.
         spans: history of every diagnostic status by name.
         values: last values of every diagnostic status by name.
         truth: last values of the simulator's truth.
@@ -144,6 +145,7 @@ class RunData:
     orders: Spectra | None = None
     sections: Mapping[str, Array] = field(default_factory=dict)
     indicators: Mapping[str, Table] = field(default_factory=dict)
+    bearing_indicators: Mapping[str, Table] = field(default_factory=dict)
     spans: Mapping[str, tuple[Span, ...]] = field(default_factory=dict)
     values: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     truth: Mapping[str, str] = field(default_factory=dict)

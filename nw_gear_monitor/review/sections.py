@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from bokeh.models import Model, Range1d
 
 from nw_gear_common import names
+from nw_gear_monitor.indicators import bearing_registry, registry
 from nw_gear_monitor.review import tables
 from nw_gear_monitor.review.figures import forces, history, indicators, operation, phase, spectra, states, waterfall
 from nw_gear_monitor.review.measured import Measured
@@ -187,8 +188,13 @@ def _indicators(run: RunData, time_range: Range1d) -> Section:
     missing = NO_MONITOR if not run.monitored else "The monitor published no indicators (no window was filled)."
     if models:
         section.text = "Colours are stages, dashes are planets. A window that isn't filled yet gives no value."
-        section.tables.append(tables.indicators(found))
+        section.tables.append(tables.indicators("What each indicator is", found, registry.COLUMNS))
     section.add(3, models, missing)
+    of_bearings = indicators.bearing_columns(run)
+    section.add(3, [indicators.bearing_history(run, column, time_range) for column in of_bearings])
+    if of_bearings:
+        title = "What each indicator of a bearing is"
+        section.tables.append(tables.indicators(title, of_bearings, bearing_registry.COLUMNS))
     return section
 
 

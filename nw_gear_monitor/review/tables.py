@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nw_gear_common import names
-from nw_gear_monitor.indicators import registry
+from nw_gear_monitor.indicators.window import Column
 from nw_gear_monitor.review.figures import style
 from nw_gear_monitor.review.rundata import RunData, Span
 from nw_gear_monitor.review.summary import StageSummary, Summary, in_words, level_words
@@ -160,11 +160,11 @@ def alarms(run: RunData, summary: Summary) -> DataTable:
     return DataTable("Warnings and alarms", head, rows, frozenset({0, 1}), note)
 
 
-def indicators(columns: list[str]) -> DataTable:
-    """What each indicator is."""
-    known = {c.name: c for c in registry.COLUMNS}
-    rows = tuple((c, known[c].unit or "-", known[c].text) for c in columns if c in known)
-    return DataTable("What each indicator is", ("Column", "Unit in the recording", "Meaning"), rows, folded=True)
+def indicators(title: str, columns: list[str], known: tuple[Column, ...]) -> DataTable:
+    """What each indicator is, of those that are known."""
+    texts = {c.name: c for c in known}
+    rows = tuple((c, texts[c].unit or "-", texts[c].text) for c in columns if c in texts)
+    return DataTable(title, ("Column", "Unit in the recording", "Meaning"), rows, folded=True)
 
 
 def topics(run: RunData) -> DataTable:

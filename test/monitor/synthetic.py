@@ -144,6 +144,10 @@ def _monitor(second: int, seconds: int, origin: float) -> Iterator[tuple[str, fl
         rms = AMPLITUDE[names.STAGE_OF_MESH[mesh]] / math.sqrt(2.0)
         row = np.array([[origin + second, rms, math.sqrt(2.0), math.nan if second < 3 else 0.01, math.nan]])
         yield names.indicators_topic(mesh), at, Table(names.ROW_ROW, columns, row)
+    for number, bearing in enumerate(names.WAVEFORM_BEARINGS):
+        row = np.array([[origin + second, 5e3 * (number + 1), 100.0, 2.0 + number, math.nan]])
+        columns = ("time", "mean", "rms", "bpfo_prominence", "bsf")
+        yield names.indicators_topic(bearing), at, Table(names.ROW_ROW, columns, row)
     rough = 0.5 * seconds <= second < 0.75 * seconds
     worse = (1, names.CHAOTIC, "unexplained variance 0.31") if rough else (0, "period-1", "lines explain 99 %")
     states = {"I": (0, "period-1", "lines explain 99 %"), "II": worse, "III": (0, "period-1", "lines explain 99 %")}

@@ -166,7 +166,7 @@ def test_reset_flushes_and_starts_again():
 
 
 def test_results_do_not_depend_on_the_cut_or_on_when_it_started_to_listen():
-    """A replay in other blocks, and one that joined later, give the same numbers once the windows are full."""
+    """A replay in other blocks, and one that joined later, give the same numbers once windows are full (NA4 apart)."""
     table = waveform(13.0, noise=0.02, extra={"II": chaos})
     short = Windows(label_seconds=8)
     first, _ = run(table, short)
@@ -180,7 +180,7 @@ def test_results_do_not_depend_on_the_cut_or_on_when_it_started_to_listen():
             assert getattr(other, name).data == pytest.approx(getattr(first[-1], name).data, rel=1e-9, abs=1e-18)
         for mesh in names.MESHES:
             mine, theirs = (hop.indicators[mesh] for hop in (first[-1], other))
-            own = [c for c in mine.columns if other is second[-1] or not c.startswith("na4")]  # NA4 counts from the start
+            own = [c for c in mine.columns if other is second[-1] or not c.startswith("na4")]
             assert theirs.select(own) == pytest.approx(mine.select(own), rel=1e-9, abs=1e-18, nan_ok=True)
         for bearing, mine in first[-1].bearing_indicators.items():
             assert other.bearing_indicators[bearing].data == pytest.approx(mine.data, rel=1e-9, abs=1e-18, nan_ok=True)

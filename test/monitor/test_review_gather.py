@@ -6,10 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bokeh.models import Range1d
 
 from nw_gear_common import names
 from nw_gear_common.tables import Table
+from nw_gear_monitor.indicators import bearing_registry
 from nw_gear_monitor.review import summary
+from nw_gear_monitor.review.figures import indicators
 from nw_gear_monitor.review.gather import Gatherer
 from nw_gear_monitor.review.rundata import WARN
 from test.monitor import synthetic
@@ -146,6 +149,19 @@ def test_spectra_and_sections_are_those_that_were_published(run):
     points = run.sections["I"]
     assert set(points[:, 1]) == {1.0, 2.0, 3.0}
     assert len(points) == pytest.approx(3 * SECONDS * synthetic.FREQUENCY["I"], abs=4)
+
+
+def test_indicators_of_bearings_are_gathered_and_drawn_where_there_is_a_value(run):
+    rows = run.bearing_indicators["sb"]
+    assert rows.column("bpfo_prominence").tolist() == [4.0] * len(rows)
+    assert set(run.bearing_indicators) == set(names.WAVEFORM_BEARINGS)
+    drawn = indicators.bearing_columns(run)
+    assert drawn == ["rms", "mean", "bpfo_prominence"]
+    words = indicators.wording("mean", bearing_registry.COLUMNS)
+    assert (words.axis, words.scale) == ("Mean (kN)", 1e-3)
+    figure = indicators.bearing_history(run, "mean", Range1d(0.0, run.duration))
+    drawn_values = figure.renderers[0].data_source.data["y"]
+    assert float(np.asarray(drawn_values)[-1]) == pytest.approx(5.0)
 
 
 def test_spectra_stand_at_the_time_they_were_made_for_however_late_they_came():
