@@ -1,4 +1,4 @@
-"""Reads a Float64MultiArray straight from its serialised bytes (CDR), without decoding it element by element."""
+"""A Float64MultiArray from its serialised bytes (CDR) and back, without going through it element by element."""
 
 from __future__ import annotations
 
@@ -79,3 +79,16 @@ def _parse(data: bytes) -> tuple[list[str], list[int], np.ndarray[tuple[int], np
     if count:
         cursor.align(8)
     return labels, sizes, np.frombuffer(data, dtype=cursor.order + "f8", count=count, offset=cursor.at)
+
+
+def from_table(table: Table) -> bytes:
+    """Serialise a table as a std_msgs/Float64MultiArray (CDR, little-endian), the inverse of `to_table`."""
+    rows, columns = table.data.shape
+    parts = [b"\x00\x01\x00\x00", struct.pack("<I", 2)]
+    for label, size, stride in ((table.row, rows, rows * columns), (",".join(table.columns), columns, columns)):
+        text = label.encode() + b"\x00"
+        padding = b"\x00" * (-len(text) % 4)
+        parts.append(struct.pack("<I", len(text)) + text + padding + struct.pack("<II", size, stride))
+    parts.append(struct.pack("<II", 0, rows * columns))
+    length = sum(map(len, parts)) - _ENCAPSULATION
+    return b"".join([*parts, b"\x00" * (-length % 8), np.ascontiguousarray(table.data, dtype="<f8").tobytes()])

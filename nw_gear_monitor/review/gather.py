@@ -133,8 +133,8 @@ class Gatherer:
     def _foreign(self, missing: str) -> None:
         """Say once that the waveform is of a machine that this report can't draw."""
         words = (
-            f"The waveform is that of another machine (it has no column {missing}). The report draws the built-in "
-            "gearbox alone: of this machine it shows states and alarms, but no waveform, spectra, sections or indicators."
+            f"The waveform is that of another machine (it has no column {missing}). Of this machine the report shows "
+            "states and alarms; waveform, spectra, sections and indicators are drawn for the built-in gearbox alone."
         )
         if words not in self.remarks:
             self.remarks.append(words)

@@ -170,7 +170,7 @@ class RunData:
             or self.orders
             or self.sections
             or self.indicators
-            or any(self.stage_spans(s) for s in names.STAGES)
+            or any(self.stage_spans(s) for s in self.stage_names)
         )
 
     @property
@@ -183,6 +183,12 @@ class RunData:
         """Share of the run in which a mesh was `open` or on its `back-flank`, None where the truth isn't known."""
         begin = f"{kind} fraction {mesh}"
         return next((mean for key, mean in self.truth_means.items() if key.split(" (")[0] == begin), None)
+
+    @property
+    def stage_names(self) -> tuple[str, ...]:
+        """Stages of the machine that was watched: those with a history of states, else the built-in gearbox's."""
+        found = tuple(name.split(": stage ")[1] for name in self.spans if ": stage " in name)
+        return names.STAGES if set(found) <= set(names.STAGES) else found
 
     def stage_spans(self, stage: str) -> tuple[Span, ...]:
         """History of the states of one stage."""

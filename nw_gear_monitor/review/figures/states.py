@@ -66,7 +66,7 @@ def _key(fig: figure, row: str, colours: dict[str, str]) -> None:
 
 def stages(run: RunData, time_range: Range1d) -> figure | None:
     """State label of each stage over time."""
-    rows = {f"stage {s}": run.stage_spans(s) for s in names.STAGES}
+    rows = {f"stage {s}": run.stage_spans(s) for s in run.stage_names}
     if not any(rows.values()):
         return None
     fig = style.time_figure(
@@ -75,7 +75,7 @@ def stages(run: RunData, time_range: Range1d) -> figure | None:
     spans = [span for own in rows.values() for span in own]
     _bands(fig, _source(run, rows, [style.state_colour(span.state) for span in spans]))
     seen = sorted({span.state for span in spans if span.state}, key=names.STATES.index)
-    _key(fig, "stage I", {state: style.state_colour(state) for state in seen})
+    _key(fig, next(iter(rows)), {state: style.state_colour(state) for state in seen})
     fig.ygrid.visible = False
     return fig
 
