@@ -74,7 +74,7 @@ class AlarmCenter:
         self._settings = settings
         self._windows = dict(windows)
         self._steadiness = Steadiness(max(windows.values()))
-        self._states = np.zeros((6, len(self.baseline.names)), dtype=np.int64)
+        self._states = np.zeros((kernel.STATES, len(self.baseline.names)), dtype=np.int64)
         self._alarms: dict[str, Alarm] = {}
         self._hops = 0
 
@@ -102,7 +102,7 @@ class AlarmCenter:
     def interrupt(self) -> None:
         """The stream broke: windows begin anew, alarms stay as they are, what was counted towards them is forgotten."""
         self._steadiness.clear()
-        self._states[[0, 1, 3, 4]] = 0
+        self._states[kernel.COUNTED] = 0
 
     def acknowledge(self) -> list[str]:
         """Mark every alarm as seen and drop those that are over; returns the names of the features."""
@@ -114,7 +114,7 @@ class AlarmCenter:
         """Drop every alarm and begin to count anew; one whose cause lasts comes back. Returns the features' names."""
         dropped = list(self._alarms)
         self._alarms.clear()
-        self._states[:] = 0
+        self._states[: kernel.JUDGED] = 0
         return dropped
 
     @property

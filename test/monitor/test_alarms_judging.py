@@ -59,7 +59,7 @@ def known(mean=0.0, deviation=1.0, features=1, count=1e12):
 
 def run(block, rows, deviations=(3.0, 6.0), learning=False, least=20.0, spacing=1.0):
     """Levels of the features after each window of `rows` (windows, features), which are logarithms."""
-    states = np.zeros((6, rows.shape[1]), dtype=np.int64)
+    states = np.zeros((kernel.STATES, rows.shape[1]), dtype=np.int64)
     which, offsets = np.arange(rows.shape[1]), np.zeros(rows.shape[1])
     shown = []
     for tick, row in enumerate(np.exp(rows), start=1):
@@ -101,18 +101,25 @@ def test_share_of_windows_that_set_the_latch_is_binomial(deviations):
     assert np.mean(sets) == pytest.approx(wanted, abs=4.0 * math.sqrt(wanted / (len(values) / 5)))
 
 
-def test_a_learned_limit_is_exceeded_as_students_distribution_says():
-    """(y - mean) / (s sqrt(1 + 1/n)) of a new value has Student's distribution; a skewed sample widens the limit."""
+@pytest.mark.parametrize("z", [1.0, 3.0, 6.0])
+@pytest.mark.parametrize("freedom", [19.0, 29.0, 99.0, 999.0])
+def test_quantiles_are_students(z, freedom):
+    assert kernel.student(z, freedom) == pytest.approx(stats.t.isf(stats.norm.sf(z), freedom), rel=0.02)
+
+
+@pytest.mark.parametrize("deviations", [1.0, 2.0, 3.0])
+def test_a_learned_limit_is_exceeded_as_often_as_a_known_one(deviations):
+    """Whatever few windows were learned from; what the deviations upwards add makes it rarer, never more frequent."""
     rng = np.random.default_rng(1)
-    n, features = 12, 40000
+    n, features = 30, 40000
     block = empty(features)
     run(block, rng.normal(size=(n, features)), learning=True, least=1e9)
-    limits = np.log([kernel.limit(block, i, 0.0, 2.0) for i in range(features)])
-    exceeded = float(np.mean(stats.norm.sf(limits)))
-    bound = stats.t.sf(2.0, n - 1)
-    assert 0.5 * bound < exceeded < bound
-    plain = np.sqrt(block[kernel.M2] / n * (n + 1) / (n - 1))
-    assert np.mean(stats.norm.sf(block[kernel.MEAN] + 2.0 * plain)) == pytest.approx(bound, rel=0.02)
+    wanted = stats.norm.sf(deviations)
+    limits = np.log([kernel.limit(block, i, 0.0, deviations) for i in range(features)])
+    assert 0.5 * wanted < np.mean(stats.norm.sf(limits)) < wanted
+    block[kernel.ABOVE] = 0.0
+    limits = np.log([kernel.limit(block, i, 0.0, deviations) for i in range(features)])
+    assert np.mean(stats.norm.sf(limits)) == pytest.approx(wanted, rel=0.03)
 
 
 def test_statistics_are_those_of_numpy():
@@ -173,7 +180,7 @@ def learned(extra):
     run(block, np.random.default_rng(4).normal(scale=0.1, size=(100, 1)), learning=True)
     bound = math.log(kernel.limit(block, 0, 0.0, 3.0))
     values = np.where(np.isnan(extra), bound, extra)
-    states = np.zeros((6, 1), dtype=np.int64)
+    states = np.zeros((kernel.STATES, 1), dtype=np.int64)
     for tick, value in enumerate(values, start=101):
         x = np.array([math.exp(value)])
         kernel.window(np.array([0]), x, np.zeros(1), 1.0, float(tick), block, states, (3.0, 6.0), (20.0, 1e9), True)
@@ -190,7 +197,7 @@ def test_a_single_value_over_the_limit_is_learned_as_the_limit_and_those_after_i
 
 def test_learning_ends_where_enough_is_known():
     block = empty(1)
-    states = np.zeros((6, 1), dtype=np.int64)
+    states = np.zeros((kernel.STATES, 1), dtype=np.int64)
     for tick in range(100):
         kernel.window(
             np.array([0]), np.ones(1), np.zeros(1), 1.0, float(tick), block, states, (3.0, 6.0), (20.0, 30.0), True
