@@ -1,111 +1,130 @@
-"""Cycles of a signal as rows of a matrix: all that happens between two strobes, not one point of it."""
+"""A signal cut at its strobes, and what is left of it when a waveform of n cycles is taken out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
-from nw_gear_monitor.signals import checked
 from nw_gear_monitor.signals.resample import whole_turns
 
+TURN = 2.0 * np.pi
 MOST_POINTS = 48
-"""Points a cycle and channel; faster signals are averaged down to them."""
-LEAST_POINTS = 2
-INTERPOLATION_SHARE = 0.1
-"""Error of the spline of degree 5, as a share of its distance from the spline of degree 3."""
+"""Points a cycle and channel; faster signals are averaged down to about this."""
+LEAST_POINTS = 4
+POINTS_A_SAMPLE = 0.8
+KNOTS = 600
+"""Knots to a cycle of a folded waveform."""
+SAMPLES_A_KNOT = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Cycles:
-    """A signal cut at its strobes.
+class Record:
+    """A signal that can be cut into cycles.
 
     Attributes:
-        rows: (cycles, points), every channel in units of its standard deviation, channels side by side.
-        floor: error of the interpolation between samples, rms in the same unit.
-        strobed: whether there are several points to a cycle (False: a map or a signal that came strobed).
+        channels: each (samples,), without mean, in units of its standard deviation.
+        phase: (samples,) rad, 2 pi a cycle; None where there is one point a cycle.
     """
 
-    rows: Array
-    floor: float
-    strobed: bool
+    channels: tuple[Array, ...]
+    phase: Array | None
 
     @property
     def count(self) -> int:
-        """Number of cycles."""
-        return int(self.rows.shape[0])
+        """Number of whole cycles."""
+        if self.phase is None:
+            return int(self.channels[0].size)
+        return int((self.phase[-1] - self.phase[0]) / TURN) - 1
+
+    def halves(self) -> tuple[Record, Record]:
+        """The first and the second half."""
+        middle = self.channels[0].size // 2
+        parts = (slice(None, middle), slice(middle, None))
+        first, second = (
+            Record(tuple(c[part] for c in self.channels), None if self.phase is None else self.phase[part])
+            for part in parts
+        )
+        return first, second
+
+    def without(self, period: int) -> Array:
+        """Cycles less the mean waveform of `period` cycles.
+
+        Of a sampled signal the samples themselves are folded at the phase modulo 2 pi period and the waveform is taken
+        from them, before anything is interpolated: what lies above half the sample rate doesn't fold back into cycles.
+
+        Args:
+            period: cycles to the waveform, 1 or more.
+
+        Returns:
+            (cycles, points) the channels side by side.
+        """
+        if self.phase is None:
+            return _less_means(np.column_stack(self.channels), period)
+        points = max(int(POINTS_A_SAMPLE * self._per_cycle), LEAST_POINTS)
+        parts = []
+        for channel in self.channels:
+            left = channel - folded(channel, self.phase, period)
+            parts.append(whole_turns(self.phase, left, per_turn=points).values if np.any(left) else None)
+        present = [part for part in parts if part is not None]
+        if not present:
+            return np.zeros((int((self.phase[-1] - self.phase[0]) / TURN), points * len(parts)))
+        return np.ascontiguousarray(np.hstack([np.zeros_like(present[0]) if p is None else p for p in parts]))
+
+    @property
+    def _per_cycle(self) -> float:
+        return 0.0 if self.phase is None else TURN * (self.phase.size - 1) / float(self.phase[-1] - self.phase[0])
 
 
-def from_points(x: Array, v: Array | None) -> Cycles:
-    """Cycles of one point each: a map, or a signal that was strobed before."""
-    channels = [x] if v is None else [x, v]
-    rows = np.column_stack([(channel - channel.mean()) / _spread(channel) for channel in channels])
-    return Cycles(np.ascontiguousarray(rows), 0.0, strobed=False)
-
-
-def from_samples(x: Array, phase: Array, v: Array | None) -> Cycles:
-    """Cut a sampled signal at whole turns of a phase.
+def record(x: Array, phase: Array | None, v: Array | None) -> Record:
+    """Take in a signal.
 
     Args:
-        x: (samples,) any unit.
-        phase: (samples,) rad, growing by 2 pi a cycle.
-        v: (samples,) second channel, such as the derivative, or None.
+        x: (samples,) any unit, not constant.
+        phase: (samples,) rad, growing by 2 pi a cycle; None for one point a cycle.
+        v: (samples,) second channel, or None.
 
     Raises:
         InputError: fewer than LEAST_POINTS samples to a cycle.
     """
-    channels = [x] if v is None else [x, v]
-    per_cycle = 2.0 * np.pi * (phase.size - 1) / (phase[-1] - phase[0])
-    if per_cycle < LEAST_POINTS:
-        raise InputError("strobe", f"at least {LEAST_POINTS} samples to a cycle", f"{per_cycle:.3g}")
-    wide = int(per_cycle // MOST_POINTS)
-    if wide > 1:
-        channels = [_averaged(channel, wide) for channel in channels]
-        phase = _averaged(phase, wide)
-        per_cycle /= wide
-    points = max(int(0.8 * per_cycle), LEAST_POINTS)
-    parts, error = [], 0.0
-    for channel in channels:
-        scaled = (channel - channel.mean()) / _spread(channel)
-        fine = whole_turns(phase, scaled, per_turn=points).values
-        coarse = whole_turns(phase, scaled, per_turn=points, degree=3).values
-        parts.append(fine)
-        error += float(np.mean((fine - coarse) ** 2)) / len(channels)
-    return Cycles(np.ascontiguousarray(np.hstack(parts)), INTERPOLATION_SHARE * float(np.sqrt(error)), strobed=True)
+    channels = [x] if v is None or not np.ptp(v) else [x, v]
+    if phase is not None:
+        per_cycle = TURN * (phase.size - 1) / float(phase[-1] - phase[0])
+        if per_cycle < LEAST_POINTS:
+            raise InputError("strobe", f"at least {LEAST_POINTS} samples to a cycle", f"{per_cycle:.3g}")
+        wide = int(per_cycle // MOST_POINTS)
+        if wide > 1:
+            channels = [_averaged(channel, wide) for channel in channels]
+            phase = _averaged(phase, wide)
+    return Record(tuple((channel - channel.mean()) / (float(np.std(channel)) or 1.0) for channel in channels), phase)
+
+
+def folded(values: Array, phase: Array, period: int) -> Array:
+    """The mean waveform over `period` cycles, at the phase of each sample: a periodic cubic spline through bin means."""
+    length = TURN * period
+    place = np.mod(phase, length)
+    bins = max(min(KNOTS * period, values.size // SAMPLES_A_KNOT), 4)
+    number = np.minimum((place / length * bins).astype(np.int64), bins - 1)
+    count = np.bincount(number, minlength=bins)
+    kept = count > 0
+    centre = np.bincount(number, place, bins)[kept] / count[kept]
+    mean = np.bincount(number, values, bins)[kept] / count[kept]
+    far = 4
+    knots = np.concatenate([centre[-far:] - length, centre, centre[:far] + length])
+    spline = make_interp_spline(knots, np.concatenate([mean[-far:], mean, mean[:far]]), k=3)
+    return np.asarray(spline(place), dtype=np.float64)
+
+
+def _less_means(rows: Array, period: int) -> Array:
+    left = rows.copy()
+    for group in range(period):
+        left[group::period] -= left[group::period].mean(axis=0)
+    return left
 
 
 def _averaged(values: Array, wide: int) -> Array:
     kept = values.size // wide * wide
     return np.asarray(values[:kept].reshape(-1, wide).mean(axis=1), dtype=np.float64)
-
-
-def _spread(channel: Array) -> float:
-    return float(np.std(channel)) or 1.0
-
-
-def dominant_phase(x: Array) -> Array | None:
-    """Phase (rad) of the strongest line of a sampled signal; None where no line stands out.
-
-    The line is found in the Hann-windowed spectrum and placed between bins by the phase that its halves differ by.
-    """
-    values = checked.signal("x", x, 64)
-    size = values.size
-    window = np.hanning(size)
-    power = np.abs(np.fft.rfft((values - values.mean()) * window)) ** 2
-    power[:3] = 0.0
-    peak = int(np.argmax(power))
-    near = power[max(peak - 2, 0) : peak + 3].sum()
-    if near < 0.1 * power.sum():
-        return None
-    half = size // 2
-    short = np.hanning(half)
-    n: Array = np.arange(half, dtype=np.float64)
-    angle = 2.0 * np.pi * peak / size
-    for _ in range(3):
-        turn = np.exp(-1j * angle * n)
-        first = np.sum((values[:half] - values.mean()) * short * turn)
-        second = np.sum((values[half : 2 * half] - values.mean()) * short * turn) * np.exp(-1j * angle * half)
-        angle += float(np.angle(second * np.conj(first))) / half
-    return np.arange(size, dtype=np.float64) * angle

@@ -1,23 +1,24 @@
-"""Recurrence period: the smallest n whose mean cycles predict unseen cycles as well as any other n does."""
+"""Recurrence period: lines of the strobed signal at multiples of 1/n, against the spectrum beside them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
+from scipy.stats import chi2
 
 from nw_gear_common.tables import Array
+from nw_gear_monitor.states.cycles import Record
 
-Whole = npt.NDArray[np.int64]
 LONGEST = 16
-LOOKED_AT = 33
-"""Periods below this are tried, so that a motion of period 20 isn't taken for one of period 1 with noise."""
-BLOCK = 8
-BLOCKS = 24
-SIGNIFICANT = 3.5
-LEAST_SPLITTING = 4e-3
-"""Splittings of an orbit below this share of the signal's standard deviation are no period."""
+CHANCE = 1e-6
+"""Probability that noise alone passes for a subharmonic, per period tried."""
+LEAST_SPLITTING = 5e-3
+"""Subharmonics below this share of the signal's standard deviation are no period."""
+ENOUGH = 0.7
+BESIDE = 14
+ASIDE = 2
+LEAST_REPEATS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,74 +26,106 @@ class Recurrence:
     """Outcome of the search.
 
     Attributes:
-        period: the smallest period that does, up to LOOKED_AT - 1.
-        residual: (cycles, points) what the mean cycles of this period leave, corrected for the means fitted.
-        gain: how many standard errors this period is better than its best divisor (0 for period 1).
+        period: recurrence period in cycles.
+        first: (cycles, points) less the waveform of one cycle.
+        rest: (cycles, points) less the waveform of `period` cycles.
+        strength: power of the weakest subharmonic accepted over what noise would pass with (infinite for period 1).
+        refused: the same ratio of the strongest line that wasn't accepted.
     """
 
     period: int
-    residual: Array
-    gain: float
+    first: Array
+    rest: Array
+    strength: float
+    refused: float
 
 
-def recurrence(rows: Array) -> Recurrence:
-    """Find the recurrence period of cycles.
+def recurrence(record: Record, resolution: float) -> Recurrence:
+    """Find the recurrence period of a record.
 
-    For every n the cycles are predicted by the means of the groups k mod n, taken from other parts of the record
-    (every second block of cycles), so that neither noise nor chaos looks periodic: their means predict nothing.
+    Starting from one cycle, the waveform of n cycles is taken out, and the rest is tested for lines at p/(n j), for every
+    j: their power is compared with that of the spectrum beside them, which may be noise of any colour or chaos. n grows
+    until no line is left, and is then replaced by the smallest divisor that leaves no line either.
 
     Args:
-        rows: (cycles, points).
+        record: the signal.
+        resolution: a rest below this rms isn't looked into.
     """
-    periods = [n for n in range(1, LOOKED_AT) if 6 * n <= rows.shape[0]]
-    errors = np.array([_unseen(rows, n) for n in periods])
-    best = int(np.argmin(errors.mean(axis=1)))
-    for index, n in enumerate(periods):
-        if n == periods[best] or _as_good(errors[index], errors[best]):
+    first = rest = record.without(1)
+    period, refused = 1, 0.0
+    while rms(rest) > resolution:
+        longer, refused = _longer(rest, period)
+        if not longer:
             break
-    chosen, place = n, index
-    divisors = [i for i, n in enumerate(periods) if n < chosen and chosen % n == 0]
-    gain = min((_gain(errors[i], errors[place]) for i in divisors), default=0.0)
-    return Recurrence(chosen, residual(rows, chosen), gain)
+        period = longer
+        rest = record.without(period)
+    strength = float("inf")
+    for divisor in (d for d in range(1, period) if period % d == 0):
+        left = first if divisor == 1 else record.without(divisor)
+        ratio = _lines(left, _spectrum(left), _freedom(left), period, divisor)[1] if rms(left) > resolution else 0.0
+        if ratio <= 1.0:
+            return Recurrence(divisor, first, left, strength, max(ratio, refused))
+        strength = min(strength, ratio)
+    return Recurrence(period, first, rest, strength, refused)
 
 
-def residual(rows: Array, n: int) -> Array:
-    """What the means of the groups k mod n leave, times sqrt(N / (N - n))."""
-    size = rows.shape[0]
-    group: Whole = np.arange(size) % n
-    left: Array = rows - _means(rows, group, n)[group]
-    return np.asarray(left * np.sqrt(size / max(size - n, 1)))
+def rms(rows: Array) -> float:
+    """Root mean square of all points."""
+    return float(np.sqrt(np.mean(rows**2)))
 
 
-def _means(rows: Array, group: Whole, n: int) -> Array:
-    out = np.empty((n, rows.shape[1]))
-    for g in range(n):
-        out[g] = rows[group == g].mean(axis=0)
-    return out
+def _longer(rest: Array, period: int) -> tuple[int, float]:
+    """The smallest multiple of a period that explains most of what any multiple does, 0 where none is significant.
+
+    Beside it the largest ratio met.
+    """
+    spectrum, freedom = _spectrum(rest), _freedom(rest)
+    found: list[tuple[int, float]] = []
+    largest = 0.0
+    for n in range(2 * period, min(LONGEST, len(rest) // LEAST_REPEATS) + 1, period):
+        power, ratio = _lines(rest, spectrum, freedom, n, period)
+        largest = max(largest, ratio)
+        if ratio > 1.0:
+            found.append((n, power))
+    most = max((power for _, power in found), default=0.0)
+    return next((n for n, power in found if power >= ENOUGH * most), 0), largest
 
 
-def _unseen(rows: Array, n: int) -> Array:
-    """Mean square error of each cycle, predicted by group means of the blocks of the other parity."""
-    size = rows.shape[0]
-    k: Whole = np.arange(size)
-    width = min(max(BLOCK, 2 * n), size // 3)
-    parity = (k // width) % 2
-    error = np.empty(size)
-    for p in (0, 1):
-        seen, other = parity != p, parity == p
-        means = _means(rows[seen], k[seen] % n, n)
-        error[other] = np.mean((rows[other] - means[k[other] % n]) ** 2, axis=1)
-    return error
+def _lines(rest: Array, spectrum: Array, freedom: float, n: int, period: int) -> tuple[float, float]:
+    """Sum of squares in the lines p/n that aren't lines of `period`, and its ratio to what chance allows."""
+    size, width = rest.shape
+    power = _explained(rest, n) / width
+    limit = float(chi2.isf(CHANCE, (n - period) * freedom)) / freedom * _beside(spectrum, n, period, size)
+    least = max(limit, size * LEAST_SPLITTING**2)
+    return power, power / least
 
 
-def _gain(worse: Array, better: Array) -> float:
-    parts: Array = np.array([part.mean() for part in np.array_split(worse - better, BLOCKS)])
-    spread = float(np.std(parts, ddof=1)) / np.sqrt(BLOCKS)
-    if spread > 0.0:
-        return float(parts.mean() / spread)
-    return float("inf") if parts.mean() > 0.0 else 0.0
+def _explained(rest: Array, n: int) -> float:
+    """Sum of squares that the means of the groups k mod n explain."""
+    return float(sum(len(rest[g::n]) * np.sum(rest[g::n].mean(axis=0) ** 2) for g in range(n)))
 
 
-def _as_good(error: Array, best: Array) -> bool:
-    excess = float(np.mean(error - best))
-    return excess <= LEAST_SPLITTING**2 or _gain(error, best) < SIGNIFICANT
+def _spectrum(rest: Array) -> Array:
+    """Mean periodogram of the points of a cycle (Hann window); white noise reads as its variance."""
+    window = np.hanning(len(rest))
+    power = np.abs(np.fft.rfft(rest * window[:, None], axis=0)) ** 2
+    return np.asarray(power.mean(axis=1) / np.sum(window**2))
+
+
+def _beside(spectrum: Array, n: int, period: int, size: int) -> float:
+    """Mean of the spectrum beside the lines p/n that aren't lines of `period`."""
+    levels = []
+    for p in range(1, n // 2 + 1):
+        if p * period % n == 0:
+            continue
+        line = round(p * size / n)
+        bins = np.arange(line - BESIDE, line + BESIDE + 1)
+        bins = bins[(abs(bins - line) > ASIDE) & (bins > 0) & (bins < spectrum.size)]
+        levels.append(float(spectrum[bins].mean()))
+    return float(np.mean(levels))
+
+
+def _freedom(rest: Array) -> float:
+    """How many independent points a cycle has, (trace C)^2 / trace C^2 of the covariance of its points."""
+    covariance = rest.T @ rest
+    return max(float(np.trace(covariance) ** 2 / np.sum(covariance**2)), 1.0)
