@@ -21,6 +21,7 @@ from nw_gear_sim.physics.friction import FADE_RATIO, FrictionLaw
 from nw_gear_sim.physics.mesh import MeshLaw
 from nw_gear_sim.physics.ring import RingLaw, ring_law
 from nw_gear_sim.physics.spring import Spring, SpringLaw, spring_law
+from nw_gear_sim.physics.tooth import sound_teeth
 
 GEARS = {"p1": "planet_1", "p2": "planet_2", "s": "sun", "h1": "herringbone_1", "h2": "herringbone_2"}
 """The gear of each node of the layout; the digit of a planet is left out."""
@@ -43,6 +44,7 @@ def assemble(configuration: Configuration, excitation: str) -> tuple[Laws, Layou
         mesh=law,
         engagement=_engagement(kinematics),
         friction=_friction(configuration, kinematics),
+        teeth=sound_teeth(),
         rows=rows,
         weight=_weight(configuration, kinematics, layout),
         inverse_mass=1 / masses(configuration, kinematics, layout),

@@ -13,12 +13,13 @@ import numpy as np
 
 from nw_gear_common.tables import Array
 from nw_gear_sim.compiled import inlined, kernel
-from nw_gear_sim.physics.bearing import BearingLaw, add_bearings, bearing_forces
+from nw_gear_sim.physics.bearing import MARKS, BearingLaw, add_bearings, add_marks, bearing_forces, turn_marks
 from nw_gear_sim.physics.engagement import EngagementLaw, engage
 from nw_gear_sim.physics.friction import FrictionLaw, look_up
 from nw_gear_sim.physics.mesh import Contact, Indices, MeshLaw, Rows, add_meshes, empty_rows, excite
 from nw_gear_sim.physics.ring import RingLaw, ring_forces
 from nw_gear_sim.physics.spring import SpringLaw, add_springs
+from nw_gear_sim.physics.tooth import ToothLaw, deviate
 
 SLOTS = 3
 
@@ -27,7 +28,7 @@ class Laws(NamedTuple):
     """All constants of a gearbox.
 
     Attributes:
-        ring, springs, bearings, mesh, engagement, friction: of the laws.
+        ring, springs, bearings, mesh, engagement, friction, teeth: of the laws.
         rows: of the meshes; their moving entries are set for each time.
         weight: constant forces on the motions, N, shape (dof,); the ring's own are left to its law.
         inverse_mass: 1/kg, shape (dof,).
@@ -42,6 +43,7 @@ class Laws(NamedTuple):
     mesh: MeshLaw
     engagement: EngagementLaw
     friction: FrictionLaw
+    teeth: ToothLaw
     rows: Rows
     weight: Array
     inverse_mass: Array
@@ -55,13 +57,15 @@ class Instants(NamedTuple):
     """What depends on time alone, in slots: arrays whose first axis is the slot.
 
     Attributes:
-        turn: cosine and sine of the ring's angle; cage: of the cages' angles, (slot, bearings, 2).
-        excitation: K, e, e', g, g_1 of the meshes, (slot, 7, 5); torque: input torque, N m.
+        turn: cosine and sine of the ring's angle; cage: of the cages' angles, (slot, bearings, 2); mark: of the places
+            of race defects, (slot, MARKS, 2).
+        excitation: K, e, e', g, g_1 of the meshes, and K' by deviating teeth, (slot, 7, 6); torque: input torque, N m.
         rows: of the meshes, one for each slot.
     """
 
     turn: Array
     cage: Array
+    mark: Array
     excitation: Array
     torque: Array
     rows: tuple[Rows, Rows, Rows]
@@ -110,7 +114,8 @@ def new_instants(laws: Laws) -> Instants:
     return Instants(
         turn=np.zeros((SLOTS, 2)),
         cage=np.zeros((SLOTS, bearings, 2)),
-        excitation=np.zeros((SLOTS, 7, 5)),
+        mark=np.zeros((SLOTS, MARKS, 2)),
+        excitation=np.zeros((SLOTS, 7, 6)),
         torque=np.zeros(SLOTS),
         rows=(rows(), rows(), rows()),
     )
@@ -159,6 +164,7 @@ def set_instant(
             instants.cage[slot, b, 0], instants.cage[slot, b, 1] = math.cos(turned), math.sin(turned)
     rows = instants.rows[slot]
     engage(laws.engagement, angle, speed, rows.place, rows.normal, rows.slide, rows.roll, rows.drift)
+    turn_marks(laws.bearings.marks, angle, instants.mark[slot])
     _set_excitation(laws, start, end, share, angle, speed, instants.excitation[slot])
 
 
@@ -178,6 +184,11 @@ def _set_excitation(
         excitation[m, 0], excitation[m, 1], excitation[m, 2] = excite(mesh, m, cos, sin, rate)
         shares = look_up(start, end, share, stage, phase + mesh.phase_offset[m])
         excitation[m, 3], excitation[m, 4] = shares
+        excitation[m, 5] = 0.0
+    for k in range(laws.teeth.used[0]):
+        m = laws.teeth.mesh[k]
+        ratio = laws.phase_ratio[mesh.stage[m]]
+        deviate(laws.teeth, k, ratio * angle + mesh.phase_offset[m], ratio * speed, excitation[m])
 
 
 @inlined
@@ -198,6 +209,8 @@ def add_forces(laws: Laws, instants: Instants, slot: int, q: Array, v: Array, wo
     out[laws.output] += laws.output_push * torque
     add_springs(laws.springs, q, v, out)
     bearing_forces(laws.bearings, False, instants.cage[slot], q, work.lean, work.load, work.housing)
+    if laws.bearings.marks.used[0] > 0:
+        add_marks(laws.bearings, instants.mark[slot], instants.cage[slot], q, work.housing)
     add_bearings(laws.bearings, work.housing, v, out)
     add_meshes(laws.mesh, instants.rows[slot], instants.excitation[slot], q, v, work.contact, out)
 

@@ -13,9 +13,11 @@ from nw_gear_common.tables import Array
 from nw_gear_sim import config, model, stepping
 from nw_gear_sim.bounds import check_step
 from nw_gear_sim.equilibrium import find_equilibrium
+from nw_gear_sim.faults.injection import Injection
 from nw_gear_sim.frictiontables import FrictionTables
 from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.params import Configuration, Numerics
+from nw_gear_sim.params.faults import FaultSettings
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.friction import empty_table
 from nw_gear_sim.readings import Block, Readings
@@ -24,7 +26,8 @@ from nw_gear_sim.solvers import make_solver
 STARTS = ("equilibrium", "zero")
 EXCITATIONS = ("kinematic", "tied")
 INTEGRATORS = ("gautschi", "etdrk4", "rk4")
-CHECKPOINT_VERSION = 1
+CHECKPOINT_VERSION = 2
+FAULT = "fault."
 
 
 class Divergence(NwGearError):
@@ -120,12 +123,16 @@ class Simulation:
                 raise InputError(f"checkpoint: {name}", str(here), str(checkpoint.get(name, "nothing")))
         state = {name.removeprefix("state."): value for name, value in checkpoint.items() if name.startswith("state.")}
         simulation._solver.restore(state)
+        faults = {name.removeprefix(FAULT): value for name, value in checkpoint.items() if name.startswith(FAULT)}
+        simulation._injection.restore(faults, simulation.time)
         return simulation
 
     def checkpoint(self) -> dict[str, Any]:
         """Return all that the future depends on: arrays (float64) and plain numbers and texts."""
         state = {f"state.{name}": value for name, value in self._solver.state().items()}
-        return {**self._identity(), "angle": self._angle, "samples": self._samples, "speed": self._table_speed, **state}
+        faults = {FAULT + name: value for name, value in self._injection.state().items()}
+        here = {"angle": self._angle, "samples": self._samples, "speed": self._table_speed}
+        return {**self._identity(), **here, **state, **faults}
 
     def _identity(self) -> dict[str, Any]:
         return {
@@ -145,6 +152,7 @@ class Simulation:
         self._excitation = excitation
         self.sample_rate = sample_rate
         self.gearbox = Gearbox(configuration, excitation)
+        self._injection = Injection(self.gearbox)
         self._angle = 0.0
         self._samples = 0
         self._readings = Readings(configuration, self.gearbox, sample_rate)
@@ -168,6 +176,29 @@ class Simulation:
         """Seconds simulated since the start."""
         return self._samples / self.sample_rate
 
+    def inject(self, faults: FaultSettings) -> None:
+        """Put faults in from now on; severities go to their new values along a ramp of `fault_ramp` seconds.
+
+        They are brought up to date at the start of every interval.
+
+        Raises:
+            InputError: a gear hasn't so many teeth.
+        """
+        self._injection.change(faults, self.time)
+
+    @property
+    def faults(self) -> FaultSettings:
+        """What was asked for last."""
+        return self._injection.settings
+
+    def fault_names(self) -> list[str]:
+        """The kinds of faults that are there now, in words."""
+        return self._injection.present(self.time)
+
+    def truth(self) -> dict[str, str]:
+        """Return every fault that is there now: where, how much, since when; empty for a sound gearbox."""
+        return self._injection.truth(self.time)
+
     def advance(self, samples: int, drive: Drive) -> Block:
         """Integrate over `samples` samples and return them; the state before the first step is the first of them.
 
@@ -185,6 +216,7 @@ class Simulation:
         if samples < 1:
             raise InputError("samples", "at least 1", str(samples))
         self._fill_tables(drive)
+        self._injection.apply(self.time)
         interval = model.Interval(
             self._angle,
             drive.speed_start,

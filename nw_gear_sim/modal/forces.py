@@ -18,10 +18,11 @@ from nw_gear_sim.compiled import fused, inlined, kernel, summing
 from nw_gear_sim.modal.laws import ModalLaws
 from nw_gear_sim.modal.ring import KNOTS
 from nw_gear_sim.model import Interval
-from nw_gear_sim.physics.bearing import bearing_forces_here
+from nw_gear_sim.physics.bearing import MARKS, add_marks, bearing_forces_here, turn_marks
 from nw_gear_sim.physics.friction import look_up
 from nw_gear_sim.physics.mesh import Contact, Indices, backlash_function, excite
 from nw_gear_sim.physics.spring import add_springs
+from nw_gear_sim.physics.tooth import deviate
 
 SLOTS = 3
 """Times within a step that are needed at once."""
@@ -33,7 +34,7 @@ class ModalInstants(NamedTuple):
 
     Attributes:
         wheel: cosine, sine of what turns; of its change over a substep; and of the change of that, (6, wheels).
-        turn, cage, excitation, torque: as in `model.Instants`.
+        turn, cage, mark, excitation, torque: as in `model.Instants`.
         knot, share: position of the contacts in the table, (slot, 3); drift: knots passed per second, (slot,).
         soft: 1/(1 + K R) of the ring's meshes, and its rate (1/s), (slot, 3, 2); flexibility: R, m/N, (slot, 3).
     """
@@ -41,6 +42,7 @@ class ModalInstants(NamedTuple):
     wheel: Array
     turn: Array
     cage: Array
+    mark: Array
     excitation: Array
     torque: Array
     knot: Indices
@@ -75,7 +77,8 @@ def new_instants(laws: ModalLaws) -> ModalInstants:
         wheel=np.zeros((6, len(laws.wheel_ratio))),
         turn=np.zeros((SLOTS, 2)),
         cage=np.zeros((SLOTS, len(laws.cage_wheel), 2)),
-        excitation=np.zeros((SLOTS, 7, 5)),
+        mark=np.zeros((SLOTS, MARKS, 2)),
+        excitation=np.zeros((SLOTS, 7, 6)),
         torque=np.zeros(SLOTS),
         knot=np.zeros((SLOTS, PLANETS), np.int64),
         share=np.zeros((SLOTS, PLANETS)),
@@ -156,6 +159,12 @@ def set_modal_instant(
         )
         shares = look_up(start, end, share, k - 1, ratio * angle + laws.mesh.phase_offset[m])
         excitation[m, 3], excitation[m, 4] = shares
+        excitation[m, 5] = 0.0
+    for k in range(laws.teeth.used[0]):
+        m = laws.teeth.mesh[k]
+        ratio = laws.wheel_ratio[1 + laws.mesh.stage[m]]
+        deviate(laws.teeth, k, ratio * angle + laws.mesh.phase_offset[m], ratio * speed, excitation[m])
+    turn_marks(laws.bearings.marks, angle, instants.mark[slot])
     instants.drift[slot] = -speed * laws.knots_per_radian
     knots = len(laws.table.normal) - 1
     for j in range(3):
@@ -178,6 +187,7 @@ def _soften(laws: ModalLaws, instants: ModalInstants, slot: int, j: int, rate: f
     stiffness = instants.excitation[slot, j, 0]
     cos, sin = instants.wheel[0, 1], instants.wheel[1, 1]
     growth = rate * (laws.mesh.stiffness_sin[j] * cos - laws.mesh.stiffness_cos[j] * sin)
+    growth += instants.excitation[slot, j, 5]
     soft = 1.0 / (1.0 + stiffness * flexibility)
     instants.flexibility[slot, j] = flexibility
     instants.soft[slot, j, 0] = soft
@@ -200,6 +210,8 @@ def accelerate(
     out[laws.output] += laws.output_push * torque
     add_springs(laws.springs, x, v, out)
     bearing_forces_here(laws.bearings, laws.quick, instants.cage[slot], x, work.lean, work.load, work.housing)
+    if laws.bearings.marks.used[0] > 0:
+        add_marks(laws.bearings, instants.mark[slot], instants.cage[slot], x, work.housing)
     for b in range(len(work.housing)):
         for axis in range(3):
             place = laws.bearings.place[b, axis]

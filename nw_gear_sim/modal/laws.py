@@ -17,6 +17,7 @@ from nw_gear_sim.physics.bearing import BearingLaw
 from nw_gear_sim.physics.friction import FrictionLaw
 from nw_gear_sim.physics.mesh import Indices, MeshLaw, Rows
 from nw_gear_sim.physics.spring import SpringLaw
+from nw_gear_sim.physics.tooth import ToothLaw
 
 COUPLING = 1e-9
 """Share of the largest modal damping below which a coupling of two modes is rounding."""
@@ -28,8 +29,8 @@ class ModalLaws(NamedTuple):
     """All constants; n motions of which the first `modes` are the ring's.
 
     Attributes:
-        springs, bearings, mesh, friction, rows: as in `model.Laws`, places counted in the n motions; the bearings have
-            no damping here, and the ring's part of the rows is in `table`.
+        springs, bearings, mesh, friction, teeth, rows: as in `model.Laws`, places counted in the n motions; the
+            bearings have no damping here, and the ring's part of the rows is in `table`.
         table: contact of the planets with the modes; planet_angle: th_j, rad; knots_per_radian: of the table.
         weight_cos, weight_sin: forces on the modes by the ring's weight, times cosine and sine of its angle, (modes,).
         turn: mean rotation of the ring by the modes, and force on them for 1 N m of input torque, (modes,).
@@ -48,6 +49,7 @@ class ModalLaws(NamedTuple):
     bearings: BearingLaw
     mesh: MeshLaw
     friction: FrictionLaw
+    teeth: ToothLaw
     rows: Rows
     table: ContactTable
     planet_angle: Array
@@ -116,6 +118,7 @@ def _laws(gearbox: Gearbox, ring: RingModes, table: ContactTable, coupled: bool)
         ),
         mesh=laws.mesh,
         friction=laws.friction,
+        teeth=laws.teeth,
         rows=_shifted(laws.rows, shift),
         table=table,
         planet_angle=laws.engagement.planet_angle,

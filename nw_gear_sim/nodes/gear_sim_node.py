@@ -11,6 +11,7 @@ import math
 import threading
 import time
 from collections.abc import Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 
 from geometry_msgs.msg import Vector3Stamped
@@ -26,6 +27,7 @@ from nw_gear_common.ros import Stop, declare_parameters, latched_qos, leave_now,
 from nw_gear_sim import config
 from nw_gear_sim.checkpoints import read_checkpoint, write_checkpoint
 from nw_gear_sim.drives import SPEED, TORQUE, WIND
+from nw_gear_sim.faults.injection import same_settings
 from nw_gear_sim.kinematics import derive
 from nw_gear_sim.nodes.compiling import compile_with_notice
 from nw_gear_sim.nodes.inflow import Inflows
@@ -36,6 +38,7 @@ from nw_gear_sim.nodes.publishing import Reports, Views, Waveform
 from nw_gear_sim.nodes.sensing import Sensing, wanted
 from nw_gear_sim.nodes.session import Session
 from nw_gear_sim.nodes.sim_settings import Settings
+from nw_gear_sim.params.faults import FaultSettings
 from nw_gear_sim.remarks import remarks
 
 POLL = 0.02
@@ -50,7 +53,7 @@ class GearSimNode(Node):
     def __init__(self, name: str, stop: Stop, **kwargs: object) -> None:
         super().__init__(name, **kwargs)
         self._stop = stop
-        self._settings = declare_parameters(self, Settings)
+        self._settings = declare_parameters(self, Settings, self._change)
         self._configuration = config.load(self._settings.config or None)
         self._resolved = config.to_yaml(self._configuration)
         self.declare_parameter("resolved_config", self._resolved)
@@ -64,6 +67,7 @@ class GearSimNode(Node):
             settings.sample_rate,
             every_step=wanted(settings),
         )
+        self._session.inject(same_settings(settings))
         needs = self._session.source.needs
         self._input = INPUT_TOPIC[needs[0]] if needs else ""
         self._inflows = Inflows(needs, in_step=self._clocked)
@@ -108,6 +112,17 @@ class GearSimNode(Node):
         self._inflows.add(to_seconds(stamp), **sample)
         if topic == self._input:
             self._progress.heard(time.monotonic())
+
+    def _change(self, settings: Settings) -> None:
+        """Live parameters were set: faults. Those that weren't touched stay, also where a checkpoint brought them."""
+        changed = {
+            field.name: getattr(settings, field.name)
+            for field in fields(FaultSettings)
+            if getattr(settings, field.name) != getattr(self._settings, field.name)
+        }
+        with self._ticking:  # between two ticks
+            self._session.inject(replace(self._session.faults, **changed))
+        self._settings = settings
 
     def _on_checkpoint(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         path = self._settings.checkpoint
@@ -286,7 +301,8 @@ class GearSimNode(Node):
             **({"input samples refused (1)": str(self._refused)} if self._refused else {}),
         }
         self._report(WARN if wrong or self._refused else OK, message, values)
-        self._reports.truth("no fault injected", self._session.truth())
+        faults = self._session.fault_names()
+        self._reports.truth(", ".join(faults) or "no fault injected", self._session.truth())
 
     def _report(self, level: bytes, message: str, values: dict[str, str] | None = None) -> None:
         now = self._origin + self._session.time if self._clocked else self._wall_time()

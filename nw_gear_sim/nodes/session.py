@@ -12,6 +12,7 @@ from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_sim.drives import Inputs, Source
 from nw_gear_sim.params import Configuration
+from nw_gear_sim.params.faults import FaultSettings
 from nw_gear_sim.readings import Block, joined, thinned
 from nw_gear_sim.simulation import Simulation, steps_per_sample
 
@@ -72,6 +73,7 @@ class Session:
         self._excitation, self._start, self._sample_rate = excitation, start, sample_rate
         self._simulation: Simulation | None = None
         self._inputs: Inputs = {}
+        self.faults = FaultSettings()
         self._open = np.zeros(len(names.MESHES))
         self._back = np.zeros(len(names.MESHES))
         self._ticks = 0
@@ -107,7 +109,18 @@ class Session:
             excitation=self._excitation,
             sample_rate=self.fine_rate,
         )
+        self._simulation.inject(self.faults)
         self._forget_second()
+
+    def inject(self, faults: FaultSettings) -> None:
+        """Have these faults from now on, or from the beginning of a run.
+
+        Raises:
+            InputError: a gear hasn't so many teeth; nothing is changed.
+        """
+        if self._simulation is not None:
+            self._simulation.inject(faults)
+        self.faults = faults
 
     def checkpoint(self) -> dict[str, Any]:
         """Return all that the future depends on: simulation and source."""
@@ -133,6 +146,7 @@ class Session:
         except (KeyError, TypeError, ValueError) as error:
             got = f"one without a usable {error}" if isinstance(error, KeyError) else str(error)
             raise InputError("checkpoint", f"that of a run {self.source.description}", got) from error
+        self.faults = self._simulation.faults
         self._forget_second()
 
     def advance(self, inputs: Inputs) -> Block:
@@ -165,11 +179,16 @@ class Session:
         wind = self._inputs.get("wind")
         return values if wind is None else {"wind speed (m/s)": f"{wind:.3f}", **values}
 
+    def fault_names(self) -> list[str]:
+        """The kinds of faults that are there, in words."""
+        return self._simulation.fault_names() if self._simulation is not None else []
+
     def truth(self) -> dict[str, str]:
         """Ground truth since the last call: excitation, events, how often each mesh was open or on its back flank."""
         ticks = max(1, self._ticks)
         values = {"excitation": self._excitation, "drive": self.source.description}
         values |= {f"{event} (s)": f"{time:.6f}" for event, time in self.source.events().items()}
+        values |= self._simulation.truth() if self._simulation is not None else {}
         for mesh, share, back in zip(names.MESHES, self._open / ticks, self._back / ticks, strict=True):
             values[f"open fraction {mesh} (1)"] = f"{share:.6f}"
             values[f"back-flank fraction {mesh} (1)"] = f"{back:.6f}"

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 from nw_gear_common import names
 from nw_gear_common.quantities import quantity
+from nw_gear_sim.params.faults import FaultSettings
 from nw_gear_sim.physics.drivetrain import SCENARIOS
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(FaultSettings):
     """Parameters of `gear_sim_node`."""
 
     config: str = quantity("", "Configuration laid over the default gearbox: a YAML file, or the name of a preset.")

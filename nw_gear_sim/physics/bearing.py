@@ -23,6 +23,8 @@ from nw_gear_sim.compiled import fused, inlined, kernel, summing
 
 EXPONENTS = 64
 """Binary exponents of a compression that have a table entry: 2^-60 .. 2^3 m."""
+MARKS = 4
+"""Most race defects at once."""
 DEGREE, QUICK_DEGREE = 11, 6
 """Degrees of the polynomials for the mantissa's power; relative error below 1e-9 and 1e-7 for exponents from 1 to 2."""
 
@@ -48,6 +50,30 @@ class Bearing(NamedTuple):
     cage_ratio: float
 
 
+class RaceMarks(NamedTuple):
+    """Defects of races: arrays of shape (MARKS,), changed in place, of which `used`, shape (1,), are in use.
+
+    A roller at a distance d (rad) from a defect sinks into it by depth (1 + cos(pi d / width)) / 2 where d < width, and
+    loses that much of its compression: an impulse each time a loaded roller passes (McFadden and Smith 1984; shape of a
+    shallow spall with soft edges).
+
+    Attributes:
+        bearing: which; angle: of the defect at the ring's angle 0, rad; ratio: of its turning over the ring's, 0 on the
+            housing's race.
+        width: half the extent, rad; depth: m.
+        rollers: of the bearings, (bearings,); exponent: of the roller load.
+    """
+
+    used: Indices
+    bearing: Indices
+    angle: Array
+    ratio: Array
+    width: Array
+    depth: Array
+    rollers: Indices
+    exponent: float
+
+
 class BearingLaw(NamedTuple):
     """All bearings as arrays: places (bearings, 3), data (bearings,), roller patterns one after the other.
 
@@ -60,6 +86,7 @@ class BearingLaw(NamedTuple):
         cos, sin: of 2 pi i / Z, shape (entries,).
         scale: 2^(e n) for the binary exponents e.
         polynomial, quick: of m^n over the mantissa m in [1, 2), highest first, of DEGREE and of QUICK_DEGREE.
+        marks: defects of the races.
     """
 
     place: Indices
@@ -76,6 +103,7 @@ class BearingLaw(NamedTuple):
     scale: Array
     polynomial: Array
     quick: Array
+    marks: RaceMarks
 
 
 def bearing_law(bearings: Sequence[Bearing], exponent: float) -> BearingLaw:
@@ -101,7 +129,15 @@ def bearing_law(bearings: Sequence[Bearing], exponent: float) -> BearingLaw:
         scale=np.array([2.0 ** ((e - EXPONENTS + 4) * exponent) for e in range(EXPONENTS)]),
         polynomial=_mantissa_polynomial(exponent, DEGREE),
         quick=_mantissa_polynomial(exponent, QUICK_DEGREE),
+        marks=_no_marks(bearings, exponent),
     )
+
+
+def _no_marks(bearings: Sequence[Bearing], exponent: float) -> RaceMarks:
+    angle, ratio, width, depth = np.zeros((4, MARKS))
+    rollers = np.array([b.rollers for b in bearings], dtype=np.int64)
+    none = np.zeros(MARKS, np.int64)
+    return RaceMarks(np.zeros(1, np.int64), none, angle, ratio, width, depth, rollers, exponent)
 
 
 def _mantissa_polynomial(exponent: float, degree: int) -> Array:
@@ -168,6 +204,40 @@ def _bearing_forces(
 bearing_forces = summing(_bearing_forces)
 bearing_forces_here = inlined(_bearing_forces)
 """The same, put into its caller."""
+
+
+@kernel
+def turn_marks(marks: RaceMarks, angle: float, mark: Array) -> None:
+    """Set cosine and sine of where the defects are, (MARKS, 2), at an angle of the ring, rad."""
+    for k in range(marks.used[0]):
+        turned = marks.angle[k] + marks.ratio[k] * angle
+        mark[k, 0], mark[k, 1] = math.cos(turned), math.sin(turned)
+
+
+@kernel
+def add_marks(law: BearingLaw, mark: Array, cage: Array, q: Array, housing: Array) -> None:
+    """Take from the forces on the housings what rollers lose that sink into defects; arguments as in bearing_forces."""
+    marks = law.marks
+    for k in range(marks.used[0]):
+        b = marks.bearing[k]
+        x, y = q[law.place[b, 0]], q[law.place[b, 1]]
+        offset = law.axial[b] * q[max(law.place[b, 2], 0)] - law.clearance[b]
+        least = math.cos(marks.width[k])
+        for i in range(marks.rollers[b]):
+            turned = 2.0 * math.pi * i / marks.rollers[b]
+            c = cage[b, 0] * math.cos(turned) - cage[b, 1] * math.sin(turned)
+            s = cage[b, 1] * math.cos(turned) + cage[b, 0] * math.sin(turned)
+            near = c * mark[k, 0] + s * mark[k, 1]
+            if near <= least:
+                continue
+            distance = math.acos(min(near, 1.0))
+            sunk = 0.5 * marks.depth[k] * (1.0 + math.cos(math.pi * distance / marks.width[k]))
+            reached = law.radial[b] * (x * c + y * s) + offset
+            if reached > 0.0:
+                lost = reached**marks.exponent - max(reached - sunk, 0.0) ** marks.exponent
+                housing[b, 0] -= law.stiffness[b] * lost * law.radial[b] * c
+                housing[b, 1] -= law.stiffness[b] * lost * law.radial[b] * s
+                housing[b, 2] -= law.stiffness[b] * lost * law.axial[b]
 
 
 @kernel

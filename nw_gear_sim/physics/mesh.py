@@ -108,7 +108,7 @@ def add_meshes(law: MeshLaw, rows: Rows, excitation: Array, q: Array, v: Array, 
 
     Args:
         law, rows: data and rows of the meshes.
-        excitation: K (N/m), e (m), e' (m/s), g, g_1 (m) of each mesh, shape (7, 5).
+        excitation: K (N/m), e (m), e' (m/s), g, g_1 (m) of each mesh, and one column more, shape (7, 6).
         q, v: displacements (m) and velocities (m/s).
         contact: set here.
         force: generalised forces (N), added to.

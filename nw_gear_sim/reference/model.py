@@ -23,7 +23,9 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_sim.kinematics import PLANET_ANGLES, Stage, bearing_kind, derive
 from nw_gear_sim.params import Configuration
+from nw_gear_sim.params.faults import FaultSettings
 from nw_gear_sim.reference.bodies import Gear, Movement, X, Y, Z, along, minus, polar, turned
+from nw_gear_sim.reference.faults import TeethThatDiffer, peak_phase, sinking
 from nw_gear_sim.reference.friction import sliding_friction
 
 TINY = 1e-40
@@ -60,9 +62,13 @@ class MeshState:
 class ReferenceModel:
     """Forces and accelerations of the whole gearbox."""
 
-    def __init__(self, configuration: Configuration) -> None:
+    def __init__(self, configuration: Configuration, faults: FaultSettings | None = None, loaded: float = 0.0) -> None:
+        """Set up a gearbox; `loaded`: direction of the force on the housing of the bearing with a race defect, rad."""
         self.configuration = configuration
         self.kinematics = derive(configuration)
+        self.faults = faults or FaultSettings()
+        self._loaded = loaded
+        self._differing = TeethThatDiffer(self.kinematics, self.faults)
         self.ring = self.kinematics.ring
         self.masses = self._masses()
 
@@ -156,7 +162,7 @@ class ReferenceModel:
 
     def peak(self, stage: Stage) -> float:
         """Mesh phase at which the stiffness is largest."""
-        return stage.stiffness.phase + (math.pi if stage.stiffness.variation < 0 else 0.0)
+        return peak_phase(stage)
 
     def phase(self, mesh: str, angle: complex) -> complex:
         """Mesh phase, zero where a tooth enters; with the ring unturned planet 1 is at the largest stiffness."""
@@ -176,14 +182,17 @@ class ReferenceModel:
         stage = self.kinematics.stage(mesh)
         later = now.angle + 1j * TINY
         h = self.approach(mesh, later)
-        error = self.error(mesh, later)
+        error = self.error(mesh, later) + self._differing.error(mesh, later)
+        growth, left = self._differing.worn(mesh)
+        gap = stage.mesh.backlash + growth
         x = math.fsum(c.real * q[name] for name, c in h.items()) + error.real
         moving = math.fsum(c.imag / TINY * q[name] for name, c in h.items()) + error.imag / TINY
         rate = math.fsum(c.real * v[name] for name, c in h.items()) + now.speed * moving
         phase = self.phase(mesh, now.angle).real
         stiffness = stage.stiffness.normal * (1 + stage.stiffness.variation * math.cos(phase - stage.stiffness.phase))
-        elastic = stiffness * backlash(x, stage.mesh.backlash)
-        damped = self.configuration.mesh.damping_in_gap or abs(x) > stage.mesh.backlash
+        stiffness *= left * (1.0 - self._differing.loss(mesh, later).real)
+        elastic = stiffness * backlash(x, gap)
+        damped = self.configuration.mesh.damping_in_gap or abs(x) > gap
         force = elastic + (stage.stiffness.damping * rate if damped else 0.0)
         return MeshState(x, rate, force, elastic, phase)
 
@@ -264,7 +273,9 @@ class ReferenceModel:
         for i in range(bearing.rollers):
             place = 2 * math.pi * i / bearing.rollers + sense * self.kinematics.cage_ratio[kind] * angle
             axis = math.cos(bearing.contact_angle) * polar(place)[0] + math.sin(bearing.contact_angle) * Z
-            squeeze = max(float(axis @ shift) - bearing.clearance, 0.0)
+            sunk = sinking(self.kinematics, self.faults, name, place, self._loaded, angle)
+            worn = self.faults.fault_clearance if name == self.faults.fault_clearance_bearing else 0.0
+            squeeze = max(float(axis @ shift) - bearing.clearance - worn - sunk, 0.0)
             out.append((axis, self.kinematics.roller_stiffness[kind] * squeeze**self.configuration.bearings.exponent))
         return out
 

@@ -1,0 +1,1 @@
+"""Faults that are put into the gearbox while it runs, with their truth."""
