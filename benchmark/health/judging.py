@@ -37,7 +37,7 @@ class Outcome:
     error_seconds: list[float]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@numba.njit(nogil=True, error_model="numpy")  # no cache: it would keep what it calls as it was
 def _run(
     values: Array,
     bins: Array,

@@ -11,7 +11,7 @@ Statistics of one bin are rows of an array (ROWS, features), the state of the al
   the learned mean. Their ratio has Student's distribution with n - 1 degrees of freedom: in the place of k stands its
   quantile of the same probability (3.3 for 3 and 8.5 for 6 at n = 30, 3.03 and 6.2 at n = 300).
 - limit = exp(mean + k s) - offset, s at least LEAST_SPREAD.
-- Windows are judged half their length apart: three of five that are all but the same would be one.
+- Windows are judged their own length apart, 8 s at most: three of five that are all but the same would be one.
 - A fault must not become the standard in the windows before it is found. Once a bin judges, a value over the limit of
   WARN is learned as that limit (Winsor's way) where none of the four windows before was over it, else not at all; nor
   is one over the limit of ERROR, nor any while the alarm lasts.
@@ -39,6 +39,7 @@ COUNTED = [0, 1, 3, 4]
 STATES = 7
 """Rows of the state: bits, windows under 0.9 and latch of WARN; the same of ERROR; hop of the last judgement."""
 WINDOWS, NEEDED = 5, 3
+MOST_APART = 8.0
 CLEARED = 0.9
 ALL_BITS = (1 << WINDOWS) - 1
 RECENT_BITS = ALL_BITS >> 1
@@ -50,8 +51,8 @@ Whole = npt.NDArray[np.int64]
 def student(z: float, freedom: float) -> float:
     """Quantile of Student's distribution whose probability is that of z in the normal one.
 
-    Fisher and Cornish's expansion to the third power of 1/freedom (Abramowitz and Stegun 26.7.5); within 2 % for z up to
-    6 and a freedom of 20 or more.
+    Fisher and Cornish's expansion to the third power of 1/freedom (Abramowitz and Stegun 26.7.5); within 2 % for z up
+    to 6 and a freedom of 19 or more.
     """
     first = (z**3 + z) / 4.0
     second = (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / 96.0
@@ -150,7 +151,7 @@ def window(
             error = limit(statistics, feature, offset, deviations[1])
             fit = x <= warn or (x <= error and states[0, feature] & RECENT_BITS == 0)
             y = math.log(min(x, warn) + offset)
-            if tick - states[JUDGED, feature] >= 0.5 * spacing:
+            if tick - states[JUDGED, feature] >= min(spacing, MOST_APART):
                 states[JUDGED, feature] = int(tick)
                 judge(states, feature, x, warn, error)
             fit &= states[WARN_LATCH, feature] == 0

@@ -152,6 +152,23 @@ def test_transient_windows_are_neither_learned_nor_judged(moving):
     assert center.pause[SHORT].startswith(f"{name} moved by")
 
 
+@pytest.mark.parametrize(("window", "name", "apart"), [(SHORT, NAME, 4), (LONG, "II_1/residual_ratio", 8)])
+def test_windows_are_judged_apart_and_learned_every_second(window, name, apart):
+    center = AlarmCenter(SETTINGS, {SHORT: 4, LONG: 16})
+    random = np.random.default_rng(0)
+    healthy = {SHORT: 20 * 4, LONG: 20 * 16}[window] + 20
+    for second in range(healthy):
+        assert center.update(float(second), POINT, {name: 0.01 * math.exp(0.1 * random.normal())}) == []
+    (block,) = center.baseline.bins.values()
+    assert block[0, 0] == healthy - (4 if window == SHORT else 16) + 1
+    found = []
+    for second in range(100):
+        found += [(second, t.alarm.level) for t in center.update(1000.0 + second, POINT, {name: 10.0})]
+    ((second, level),) = found
+    assert level == ERROR
+    assert 2 * apart <= second < 3 * apart
+
+
 def test_values_off_their_scale_are_left_out():
     center = AlarmCenter(SETTINGS, {SHORT: 1, LONG: 1})
     for bad in (math.nan, math.inf, 0.0, -1.0):
