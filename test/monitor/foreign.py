@@ -11,13 +11,15 @@ from math import cos
 import numpy as np
 from scipy.integrate import odeint
 
+from nw_gear_common.tables import Table
+
 RATE = 5120
 MESH = 100.0
 TEETH = 20
 """Mesh frequency (Hz) and teeth of the pinion, whose phase is measured: it makes 5 turns a second."""
 HALF_GAP = 50e-6
 DAMPING, MEAN, ALTERNATING = 0.05, 0.1, 0.2
-OMEGA = {"period-1": 0.7, "period-2": 0.85, "period-4": 0.9, "chaotic": 1.3}
+OMEGA = {"period-1": 0.7, "period-2": 0.85, "period-4": 0.9, "chaotic": 1.4}
 SETTLING = 200
 OUTER = 9 / 2 * (1 - 7.94 / 39.04)
 """Rollers that pass a spot of the outer race per turn, 6205 bearing."""
@@ -47,7 +49,7 @@ def settled(omega):
 def largest_exponent(omega, periods=300):
     """Largest Lyapunov exponent per mesh period, by a twin that is brought back to a distance of 1e-7 each period."""
     period = np.array([0.0, 2.0 * np.pi / omega])
-    first, second = np.array(settled(omega)), np.array(settled(omega)) + (1e-7, 0.0)
+    first, second = np.array(settled(omega)), np.array(settled(omega)) + np.array([1e-7, 0.0])
     growth = []
     for _ in range(periods):
         first, second = integrate(first, period, omega)[-1], integrate(second, period, omega)[-1]
@@ -84,3 +86,8 @@ def tacho(angle):
 def write_csv(path, columns, digits="%.9g"):
     """A CSV file as a data logger writes it."""
     np.savetxt(path, np.column_stack(list(columns.values())), digits, ",", header=",".join(columns), comments="")
+
+
+def table(data):
+    """Columns time, angle, displacement, acceleration as a waveform of `config/machine_example.yaml`."""
+    return Table("sample", ("time", "phase_pinion", "x_mesh", "a_front"), data)
