@@ -37,6 +37,7 @@ from nw_gear_common.tables import Table
 
 Settings = TypeVar("Settings")
 MAX_RANGE = 1e300
+LONGEST_SHOWN = 60
 
 
 class NodeFailure(NwGearError):
@@ -282,13 +283,22 @@ def from_message(message: Float64MultiArray, place: str) -> Table:
         place: the topic, for the error.
 
     Raises:
-        InputError: the layout isn't that of a table, or the amount of data doesn't fit it.
+        InputError: the layout isn't that of a table (strides of 0 count as not given), names of columns are missing or
+            there twice, or the amount of data doesn't fit.
     """
     dimensions = message.layout.dim
     if len(dimensions) != 2:
         raise InputError(f"{place}: layout", "two dimensions", str(len(dimensions)))
     columns = tuple(dimensions[1].label.split(","))
+    if "" in columns or len(set(columns)) != len(columns):
+        raise InputError(f"{place}: columns", "names that differ", repr(dimensions[1].label[:LONGEST_SHOWN]))
     rows = int(dimensions[0].size)
+    strides, usual = tuple(dimension.stride for dimension in dimensions), (rows * len(columns), len(columns))
+    if message.layout.data_offset or any(
+        given not in (0, wanted) for given, wanted in zip(strides, usual, strict=True)
+    ):
+        got = f"strides {strides} from {message.layout.data_offset} on"
+        raise InputError(f"{place}: layout", f"rows in a row: strides {usual} from 0 on", got)
     data = np.frombuffer(message.data, dtype=np.float64) if len(message.data) else np.empty(0)
     if len(columns) != dimensions[1].size or data.size != rows * len(columns):
         raise InputError(f"{place}: data", f"{rows} x {len(columns)} numbers", str(data.size))

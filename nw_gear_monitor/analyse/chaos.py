@@ -33,7 +33,9 @@ LEAST_NOISE_DB = 39.0
 MOST = 65536
 """Samples that pairs are formed of, the first ones of the record."""
 MOST_POINTS = 16384
-"""Points of the correlation dimension, spread evenly, and of the recurrences, the first ones."""
+"""Points of the correlation dimension, spread evenly over those."""
+MOST_RECURRENCES = 8192
+"""Samples whose recurrences are looked at, the first ones."""
 MOST_STROBES = 4096
 REFERENCES = 4000
 MAP_DIMENSION, FLOW_DIMENSION, RECURRENCE_DIMENSION = 2, 5, 3
@@ -44,6 +46,12 @@ LEAST_STROBED = 400
 """Strobes from which an exponent is taken of the section rather than of the samples."""
 RADIUS = 0.2
 """Of a recurrence, in standard deviations."""
+LIMITED = {
+    "largest_exponent": MOST,
+    "sample_entropy": MOST,
+    "determinism": MOST_RECURRENCES,
+    "correlation_dimension": MOST,
+}
 STRAIGHT = ("largest_exponent", "exponent_standard_error", "exponent_r_squared")
 RECURRENCES = ("determinism", "recurrence_rate", "laminarity", "diagonal_entropy", "trapping_time")
 
@@ -51,17 +59,16 @@ RECURRENCES = ("determinism", "recurrence_rate", "laminarity", "diagonal_entropy
 def chaos(signal: Signal, verdict: Verdict, findings: Findings) -> None:
     """Add everything to the findings; signal.x is of the order of 1."""
     x = signal.x[:MOST]
-    short = "" if x.size == signal.x.size else f"of the first {MOST} samples"
     findings.add(STRAIGHT, lambda: _exponent(signal, x, verdict))
     findings.add(("zero_one_k",), lambda: {"zero_one_k": _zero_one(signal, verdict)})
     findings.add(("sample_entropy",), lambda: {"sample_entropy": sample_entropy(x)})
     findings.add(("permutation_entropy",), lambda: {"permutation_entropy": permutation_entropy(signal.x)})
     findings.add(("dispersion_entropy",), lambda: {"dispersion_entropy": dispersion_entropy(signal.x)})
-    findings.add(RECURRENCES, lambda: _recurrences(signal, x[:MOST_POINTS]))
+    findings.add(RECURRENCES, lambda: _recurrences(signal, x[:MOST_RECURRENCES]))
     findings.add(("correlation_dimension",), lambda: _dimension(signal, x))
-    for name in ("largest_exponent", "sample_entropy", "determinism", "correlation_dimension"):
-        if short and findings.values[name] is not None:
-            findings.notes[name] = short
+    for name, most in LIMITED.items():
+        if signal.x.size > most and findings.values[name] is not None:
+            findings.notes[name] = f"of the first {most} samples"
 
 
 def _exponent(signal: Signal, x: Array, verdict: Verdict) -> Mapping[str, float]:

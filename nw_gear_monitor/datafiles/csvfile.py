@@ -25,7 +25,7 @@ LONGEST_NUMBER = 40
 def read(path: Path) -> Source:
     """Read the columns of numbers of a text; a column named time, t, timestamp (with a unit or not) is time.
 
-    Lines before the header that start with # are skipped, and so are blank lines. A column without a single number is
+    Lines before the header that start with # are skipped. A column without a single number is
     left out; one with numbers and something else isn't accepted.
 
     Raises:
@@ -73,15 +73,21 @@ def _text(place: str, data: bytes) -> str:
 
 
 def _rows(place: str, text: str) -> list[tuple[int, list[str]]]:
-    """Row numbers as in a spreadsheet, and stripped cells, of all lines that aren't blank."""
+    """Row numbers as in a spreadsheet, and stripped cells; lines may be blank before the numbers and at the end."""
     lines = text.splitlines()
     head = next((line for line in lines if line.strip() and not line.startswith("#")), "")
     reader = csv.reader(lines, delimiter=max(DELIMITERS, key=head.count))
     rows: list[tuple[int, list[str]]] = []
+    blank = 0
     try:
         for row in reader:
-            if any(cell.strip() for cell in row) and (rows or not row[0].startswith("#")):
+            if not any(cell.strip() for cell in row):
+                blank = blank or reader.line_num
+            elif rows or not row[0].startswith("#"):
+                if len(rows) > 1 and blank:
+                    raise InputError(f"{place}: row {blank}", "a row of numbers", "a blank one")
                 rows.append((reader.line_num, [cell.strip() for cell in row]))
+                blank = 0
     except csv.Error as error:
         raise InputError(f"{place}: row {reader.line_num}", KIND, str(error)) from None
     return rows
@@ -118,7 +124,8 @@ def _number(cell: str) -> float | None:
 
 def _numbers(place: str, name: str, cells: Sequence[str], rows: Sequence[tuple[int, list[str]]]) -> Array:
     try:
-        return np.array(cells, dtype=np.float64)
+        if not any("_" in cell for cell in cells):  # Python's own numbers may have it
+            return np.array(cells, dtype=np.float64)
     except ValueError:
         pass
     values = np.empty(len(cells))

@@ -12,6 +12,10 @@ STEP_TOLERANCE = 0.01
 """Share of the step by which steps may differ."""
 RATE_TOLERANCE = 1e-3
 """Share by which two statements of a rate may differ."""
+ROUNDED = 0.999
+"""Steps of rounded times differ by up to what they are rounded to."""
+MOSTLY = 0.98
+"""Where so many rounded steps are the same, another one is a sample that is missing, not a rounding that added up."""
 DRIFT = 2.5e-4
 """Share of the record by which times may leave a straight line: half as much as a rate changed by 0.2 % halfway."""
 
@@ -48,13 +52,16 @@ def _of_times(source: Source, name: str) -> tuple[float, float]:
     steps = np.diff(times)
     step = float(times[-1]) / steps.size
     rounding = source.time_resolution + 4.0 * float(np.spacing(np.max(np.abs(source.columns[name]))))
-    if step <= 0.0 or np.any(steps < -rounding) or (rounding < step and np.any(steps <= 0.0)):
+    least = 0.0 if ROUNDED * rounding < step else -np.spacing(0.0)  # times that are written too coarsely repeat
+    if step <= 0.0 or np.any(steps <= least):
         k = int(np.argmin(steps))
         raise InputError(place, "times that grow", f"{times[k]:.9g} s, then {times[k + 1]:.9g} s at sample {k + 1}")
-    usual = float(np.median(steps)) if rounding < STEP_TOLERANCE * step else step
+    usual, allowed = float(np.median(steps)), STEP_TOLERANCE * step
+    if rounding > allowed and np.mean(np.abs(steps - usual) < allowed) < MOSTLY:  # steps of several roundings
+        usual, allowed = step, ROUNDED * rounding
     off = np.abs(steps - usual)
     k = int(np.argmax(off))
-    if off[k] > STEP_TOLERANCE * usual + 2.0 * rounding:
+    if off[k] > allowed:
         raise InputError(place, f"steps of {usual:.6g} s", f"{steps[k]:.6g} s at sample {k + 1}")
     line = np.abs(times - step * np.arange(times.size))
     k = int(np.argmax(line))
