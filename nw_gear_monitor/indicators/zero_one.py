@@ -26,9 +26,12 @@ def _growth(series: Array, frequencies: Array, lags: int) -> Array:
     for index in range(frequencies.size):
         c = frequencies[index]
         sum_p, sum_q = 0.0, 0.0
+        step_re, step_im = np.cos(c), np.sin(c)
+        re, im = 1.0, 0.0
         for j in range(size):
-            sum_p += series[j] * np.cos((j + 1) * c)
-            sum_q += series[j] * np.sin((j + 1) * c)
+            re, im = re * step_re - im * step_im, re * step_im + im * step_re  # cos and sin of (j + 1) c
+            sum_p += series[j] * re
+            sum_q += series[j] * im
             p[j] = sum_p
             q[j] = sum_q
         scale = mean * mean / (1.0 - np.cos(c))

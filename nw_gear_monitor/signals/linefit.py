@@ -13,7 +13,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_triangular
 from nw_gear_common.tables import Array
 from nw_gear_monitor.signals.comb import HIGHEST_FREQUENCY, Comb, Subharmonic, Twelfths, multiples, spaced
 from nw_gear_monitor.signals.modulation import Modulation, modulation
-from nw_gear_monitor.signals.normal import SHAPES, NormalSecond, design
+from nw_gear_monitor.signals.normal import SHAPES, NormalSecond, summed
 
 Flags = npt.NDArray[np.bool_]
 Indices = npt.NDArray[np.intp]
@@ -60,7 +60,7 @@ class LineFit:
     def predict(self, second: int, phase: Array, tau: Array, channel: int) -> Array:
         """Trend and fitted lines at given phases (points, phases) and times tau (points,) of one second: (points,)."""
         own = self.coefficients[second, :, channel]
-        lines: Array = design(phase, tau, self.comb) @ own
+        lines = summed(phase, tau, self.comb, own)
         return lines + self.seconds[second].settled(phase, tau, own, channel)
 
 

@@ -144,6 +144,49 @@ def _design(
             out[at + 1] = im
 
 
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _summed(
+    phase: Array,
+    tau: Array,
+    lines: npt.NDArray[np.int64],
+    modulated: int,
+    reach: int,
+    fractions: bool,
+    own: Array,
+    out: Array,
+) -> None:
+    """Add the columns times their coefficients up, lines without any left out; `phase` is (stages, samples)."""
+    size, stages = tau.size, phase.shape[0]
+    whole = [_powers(phase[stage], 1.0, reach + 1) for stage in range(stages)]
+    parts = [_powers(phase[stage], float(PARTS), PARTS if fractions else 1) for stage in range(stages)]
+    square = 0.5 * (3.0 * tau * tau - 1.0)
+    re, im = np.empty(size), np.empty(size)
+    out[:] = 0.0
+    for line in range(lines.shape[0]):
+        shapes = SHAPES if line < modulated else 1
+        at = 2 * SHAPES * line if line < modulated else 2 * SHAPES * modulated + 2 * (line - modulated)
+        if not np.any(own[at : at + 2 * shapes]):
+            continue
+        re[:] = 1.0
+        im[:] = 0.0
+        for stage in range(stages):
+            number = abs(lines[line, stage])
+            sign = 1.0 if lines[line, stage] > 0 else -1.0
+            if number // PARTS > 0:
+                table, k = whole[stage], number // PARTS
+                _turned(re, im, table[0, k], table[1, k], sign, re, im)
+            if number % PARTS > 0:
+                table, k = parts[stage], number % PARTS
+                _turned(re, im, table[0, k], table[1, k], sign, re, im)
+        if shapes == 1:
+            for i in range(size):
+                out[i] += own[at] * re[i] + own[at + 1] * im[i]
+        else:
+            for i in range(size):
+                out[i] += re[i] * (own[at] + own[at + 1] * tau[i] + own[at + 2] * square[i])
+                out[i] += im[i] * (own[at + 3] + own[at + 4] * tau[i] + own[at + 5] * square[i])
+
+
 @lru_cache(maxsize=16)
 def _plan(comb: Comb) -> tuple[npt.NDArray[np.int64], int, bool, int]:
     """A comb's lines (lines, stages), their highest whole multiple, whether there are fractions, number of columns."""
@@ -173,6 +216,16 @@ def design(phase: Array, tau: Array, comb: Comb) -> Array:
     out = np.empty((_plan(comb)[3], len(phase)))
     _fill(phase, np.ascontiguousarray(tau), comb, out)
     return out.T
+
+
+def summed(phase: Array, tau: Array, comb: Comb, coefficients: Array) -> Array:
+    """`design` times coefficients (columns,): (samples,)."""
+    lines, reach, fractions, _ = _plan(comb)
+    turned = np.ascontiguousarray(np.mod(phase, 2.0 * np.pi * PARTS).T)
+    out = np.empty(len(phase))
+    own = np.ascontiguousarray(coefficients)
+    _summed(turned, np.ascontiguousarray(tau), lines, len(comb.modulated), reach, fractions, own, out)
+    return out
 
 
 def relative_time(time: Array, start: float) -> Array:
