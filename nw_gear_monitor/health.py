@@ -71,8 +71,10 @@ def waiting(topic: str, machine: Machine) -> list[Status]:
 def stream_status(now: Continuity, before: Continuity) -> Status:
     """The waveform's gaps, restarts and unusable blocks, WARN when there are new ones since `before`; dead channels."""
     news = []
-    if now.gaps > before.gaps or now.restarts > before.restarts:
-        news.append(now.last_break)
+    if now.gaps > before.gaps:
+        news.append(now.last_gap)
+    if now.restarts > before.restarts:
+        news.append(now.last_restart)
     if now.malformed > before.malformed:
         news.append(f"dropped {now.malformed - before.malformed} malformed block(s), the last: {now.last_malformed}")
     if now.repeated > before.repeated or now.disordered > before.disordered:

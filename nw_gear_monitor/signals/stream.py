@@ -62,7 +62,7 @@ class Continuity:
         malformed, last_malformed: blocks dropped because they can't be read, and what was wrong with the last.
         repeated, disordered, last_late: blocks dropped because they came twice or too late, and the last of them.
         constant: columns that didn't change in the newest second although the machine turned.
-        last_break: the latest gap or restart in words.
+        last_gap, last_restart: the latest of either in words; last_break: the later of both.
     """
 
     blocks: int = 0
@@ -75,6 +75,8 @@ class Continuity:
     disordered: int = 0
     last_late: str = ""
     constant: tuple[str, ...] = ()
+    last_gap: str = ""
+    last_restart: str = ""
     last_break: str = ""
 
 
@@ -219,7 +221,8 @@ class Stream:
         if step > (1.0 + STEP_TOLERANCE) * interval:
             self.continuity.gaps += 1
             self.continuity.lost_seconds += step - interval
-            self.continuity.last_break = f"{step - interval:.4g} s missing before {time:.3f} s"
+            self.continuity.last_gap = f"{step - interval:.4g} s missing before {time:.3f} s"
+            self.continuity.last_break = self.continuity.last_gap
         elif step < (1.0 - STEP_TOLERANCE) * interval:
             self._note(f"time jumped back by {interval - step:.4g} s to {time:.3f} s")
         else:
@@ -231,7 +234,7 @@ class Stream:
 
     def _note(self, reason: str) -> None:
         self.continuity.restarts += 1
-        self.continuity.last_break = reason
+        self.continuity.last_restart = self.continuity.last_break = reason
 
 
 def _interval(data: Array) -> float:
