@@ -1,0 +1,1 @@
+"""Which faults the monitor finds, and how small."""
