@@ -3,9 +3,9 @@
     python benchmark/find_faults.py             everything, one process for each condition (half an hour and more)
     python benchmark/find_faults.py --table     the table in docs/indicators.md, from what was found last
 
-Baselines are learned in wind of some seeds. Ten healthy minutes of other seeds have to stay without alarms. Then each fault is
-put in at once, in wind of one more seed, and the severity is halved from the largest one on to find the smallest that
-raises an alarm within a minute. What was found goes to results/find_faults.json.
+Baselines are learned in wind of some seeds. Ten healthy minutes of other seeds have to stay without alarms. Then each
+fault is put in at once, in wind of one more seed, and the severity is halved from the largest one on to find the
+smallest that raises an alarm within a minute. What was found goes to results/find_faults.json.
 """
 
 from __future__ import annotations
