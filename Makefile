@@ -6,6 +6,7 @@
 #   make test-all  lint, and every test
 #   make lint      style, types, layers
 #   make bench     speed and accuracy on this machine; the nodes measured live  (ARGS="--config FILE")
+#   make peers     other people's chaos indicators, which bench then measures beside ours
 #   make docs      generated tables, then HTML in build/docs
 
 PYTHON ?= python3
@@ -19,7 +20,7 @@ COMPILED := $(VENV)/.compiled
 NODE_MODULES := test/node/node_modules/.package-lock.json
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-all lint format bench docs lock clean
+.PHONY: help setup demo test test-all lint format bench peers docs lock clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -72,6 +73,13 @@ bench: $(COMPILED)
 	$(BIN)/nw_gear bench $(ARGS)
 	mkdir -p build
 	$(BIN)/python benchmark/live.py -o build/live.json
+
+PEER := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt --requirement
+
+# Where there is no compiler bench goes without the second ones.
+peers: $(INSTALLED)
+	$(PEER) requirements/bench.txt
+	-$(PEER) requirements/bench-compiled.txt
 
 docs: $(INSTALLED)
 	$(BIN)/python scripts/generate.py

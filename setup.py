@@ -58,6 +58,7 @@ setup(
         "console_scripts": [f"{name} = nw_gear_common.launcher:{name}" for name in EXECUTABLES],
         "nw_gear.benchmarks": [
             "monitor = nw_gear_monitor.bench:measure",
+            "peers = nw_gear_monitor.bench_peers:measure",
             "simulator = nw_gear_sim.bench.measure:measure",
         ],
         "nw_gear.commands": [

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -37,10 +38,18 @@ def bench(
     if as_json:
         values: dict[str, Any] = {"machine": machine.as_values(), "quick": quick, "config": config or "default"}
         for part in parts:
-            values |= part.values
+            _merge(values, part.values)
         typer.echo(json.dumps(values, allow_nan=False))
     else:
         _print(machine, parts)
+
+
+def _merge(values: dict[str, Any], more: Mapping[str, Any]) -> None:
+    """Put values of a part to the others; tables that several parts have a share in are joined."""
+    for key, value in more.items():
+        if isinstance(value, Mapping) and isinstance(values.get(key), Mapping):
+            value = {**values[key], **value}  # noqa: PLW2901 - the same value, joined
+        values[key] = value
 
 
 def _say(line: str) -> None:
