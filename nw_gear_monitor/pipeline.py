@@ -49,7 +49,13 @@ class Windows:
 
 @dataclass(frozen=True)
 class BearingForce:
-    """Force of one bearing over a second, N: mean magnitude, rms of the magnitude about it, largest magnitude."""
+    """Signal of one bearing over a second, in its unit.
+
+    Attributes:
+        mean: of the magnitude.
+        rms: of a force the standard deviation of the magnitude, of anything else (an acceleration) that of the signal.
+        peak: largest magnitude.
+    """
 
     mean: float
     rms: float
@@ -240,7 +246,8 @@ class Pipeline:
         for bearing in self._machine.bearings:
             own = columns_of(bearing)
             if all(name in second.columns for name in own):
-                parts = [second.column(name) for name in own]
-                size = np.hypot(*parts) if len(parts) > 1 else np.abs(parts[0])
-                forces[bearing.name] = BearingForce(float(size.mean()), float(size.std()), float(size.max()))
+                parts = np.stack([second.column(name) for name in own])
+                size = np.sqrt(np.sum(parts * parts, axis=0))
+                spread = np.std(size) if bearing.unit == "N" else np.sqrt(np.sum(np.var(parts, axis=1)))
+                forces[bearing.name] = BearingForce(float(size.mean()), float(spread), float(size.max()))
         return forces

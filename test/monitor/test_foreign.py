@@ -42,7 +42,14 @@ def last_hop(machine, tables):
     return hops[-1]
 
 
-@pytest.mark.parametrize(("label", "omega"), foreign.OMEGA.items())
+CASES = [
+    pytest.param(label, omega, marks=[] if label == names.CHAOTIC else pytest.mark.slow)
+    for label, omega in foreign.OMEGA.items()
+]
+"""The quick run takes period 2 through the nodes (test/system/test_foreign.py)."""
+
+
+@pytest.mark.parametrize(("label", "omega"), CASES)
 def test_a_gear_pair_by_kahraman_and_singh_gets_its_label(tmp_path, machine, label, omega):
     period = 2.0 * np.pi / omega
     strobes = foreign.integrate(foreign.settled(omega), np.arange(100) * period, omega)
