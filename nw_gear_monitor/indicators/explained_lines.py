@@ -16,12 +16,12 @@ from nw_gear_common.tables import Array
 from nw_gear_monitor.signals import comb as combs
 from nw_gear_monitor.signals.comb import Comb, Subharmonic
 from nw_gear_monitor.signals.linefit import LineFit, fit
-from nw_gear_monitor.signals.normal import NormalSecond, normal_second
+from nw_gear_monitor.signals.normal import SHAPES, NormalSecond, extended_second, normal_second
 
 LEAST_SHARE = 0.005
 LEAST_PART = 0.2
-AT_ONCE = 4
-"""Seconds whose normal equations are formed in one hop for a comb that is new, the newest first: 30 ms each."""
+AT_ONCE = 3
+"""Seconds whose normal equations are formed in one hop for a comb that is new, the newest first: 20 to 30 ms each."""
 LEAST_REFINED = 8
 """Newest seconds that must be formed before a rebuilt comb is fitted."""
 EARLY = 4
@@ -47,13 +47,19 @@ class LineSecond:
     x: Array
     _formed: dict[Comb, NormalSecond] = field(default_factory=dict)
 
-    def normal(self, comb: Comb) -> NormalSecond:
-        """The normal equations of this second for a comb."""
+    def normal(self, comb: Comb, base: Comb | None = None) -> NormalSecond:
+        """The normal equations of this second for a comb; `base` is one that it extends, and that is formed."""
         if comb not in self._formed:
             if len(self._formed) == KEPT:
                 self._formed.pop(list(self._formed)[1])
-            self._formed[comb] = normal_second(self.time, self.phase, self.x, self.start, comb)
+            self._formed[comb] = self._form(comb, base)
         return self._formed[comb]
+
+    def _form(self, comb: Comb, base: Comb | None) -> NormalSecond:
+        if base is None:
+            return normal_second(self.time, self.phase, self.x, self.start, comb)
+        stays = 2 * SHAPES * len(base.modulated) + 2 * len(base.steady)
+        return extended_second(self.time, self.phase, self.x, self.start, comb, self._formed[base], stays)
 
     def has(self, comb: Comb) -> bool:
         """Whether they are formed already."""
@@ -113,7 +119,7 @@ class LineExplainer:
         if len(window) >= EARLY:
             found = self._best(self._first(window))
             if found is not None:
-                _ready(window, self._rebuilt(found))
+                _ready(window, self._rebuilt(found), self.base)
 
     def explain(self, window: list[LineSecond]) -> Explained:
         """Fit the base comb; where a subharmonic is found, fit again with the comb rebuilt on it.
@@ -129,7 +135,7 @@ class LineExplainer:
             return Explained(first, self._rho(first), None, dict.fromkeys(self._places, 0.0))
         shares = self._by_stage(first, first.candidates[found])
         comb = self._rebuilt(found)
-        ready = _ready(window, comb)
+        ready = _ready(window, comb, self.base)
         if len(ready) < LEAST_REFINED:
             rho = {stage: max(value - shares[stage], 0.0) for stage, value in self._rho(first).items()}
             return Explained(first, rho, found, shares)
@@ -180,14 +186,14 @@ class LineExplainer:
         return {stage: _ratio(done.residual[c], done.energy[c]) for stage, c in self._places.items()}
 
 
-def _ready(window: list[LineSecond], comb: Comb) -> list[LineSecond]:
+def _ready(window: list[LineSecond], comb: Comb, base: Comb) -> list[LineSecond]:
     """Form up to AT_ONCE more seconds, the newest first; returns the newest seconds that are formed without a hole."""
     formed = 0
     for count, second in enumerate(reversed(window)):
         if not second.has(comb):
             if formed == AT_ONCE:
                 return window[len(window) - count :]
-            second.normal(comb)
+            second.normal(comb, base)
             formed += 1
     return window
 

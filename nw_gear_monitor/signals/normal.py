@@ -15,7 +15,7 @@ from which a window composes amplitude curves that are smooth on the scale of a 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numba
@@ -278,6 +278,44 @@ def normal_second(time: Array, phase: Array, x: Array, start: float, comb: Comb)
         overlap=overlap,
         projection=projection,
     )
+
+
+def extended_second(
+    time: Array, phase: Array, x: Array, start: float, comb: Comb, base: NormalSecond, stays: int
+) -> NormalSecond:
+    """Normal equations for a comb whose first columns were formed already: a third of the work.
+
+    Args:
+        time, phase, x, start, comb: see `normal_second`.
+        base: of the same second, with the same free lines.
+        stays: its first columns that are the first columns of this comb.
+    """
+    tau = relative_time(time, start)
+    settled = settled_columns(phase, tau, base.free, base.degree)
+    _, flat = _projected(settled, base.triangle, x)
+    size, outside = _plan(comb)[3], settled.shape[1]
+    rows = _new_rows(phase, tau, comb, stays, np.concatenate([settled, flat], axis=1))
+    added = solve_triangular(base.triangle, rows[:, size : size + outside].T, trans="T", check_finite=False)
+    overlap = np.concatenate([base.overlap[:, :stays], added], axis=1)
+    gram = np.empty((size, size))
+    gram[:stays, :stays] = base.gram[:stays, :stays]
+    gram[stays:] = rows[:, :size] - added.T @ overlap
+    gram[:stays, stays:] = gram[stays:, :stays].T
+    moment = np.concatenate([base.moment[:stays], rows[:, size + outside :]])
+    return replace(base, gram=gram, moment=moment, overlap=overlap)
+
+
+def _new_rows(phase: Array, tau: Array, comb: Comb, stays: int, others: Array) -> Array:
+    """Products of the comb's columns from `stays` on with all its columns and with others, (new, all + others)."""
+    size = _plan(comb)[3]
+    total = np.zeros((size - stays, size + others.shape[1]))
+    for first in range(0, len(tau), PIECE):
+        rows = slice(first, first + PIECE)
+        piece = np.empty((total.shape[1], len(tau[rows])))
+        _fill(phase[rows], np.ascontiguousarray(tau[rows]), comb, piece[:size])
+        piece[size:] = others[rows].T
+        total += piece[stays:size] @ piece.T
+    return total
 
 
 def _triangle(columns: Array) -> Array:

@@ -14,6 +14,7 @@ from nw_gear_monitor.indicators.explained_lines import LineExplainer, LineSecond
 from nw_gear_monitor.nodes.computation import Computation
 from nw_gear_monitor.pipeline import Pipeline
 from nw_gear_monitor.signals.linefit import fit
+from nw_gear_monitor.signals.normal import normal_second
 from nw_gear_monitor.warm_up import warm_up
 from test.monitor.gear_signal import blocks, paper, waveform
 
@@ -61,13 +62,16 @@ def line_seconds(count):
 def formed(monkeypatch):
     """Counts the normal equations that are formed."""
     calls = []
-    real = explained_lines.normal_second
 
-    def counted(*args):
-        calls.append(args[-1])
-        return real(*args)
+    def counted(name, real):
+        def call(*args):
+            calls.append(name)
+            return real(*args)
 
-    monkeypatch.setattr(explained_lines, "normal_second", counted)
+        return call
+
+    for name in ("normal_second", "extended_second"):
+        monkeypatch.setattr(explained_lines, name, counted(name, getattr(explained_lines, name)))
     return calls
 
 
@@ -84,11 +88,11 @@ def test_a_rebuilt_comb_is_formed_a_few_seconds_per_hop_and_ends_as_if_formed_at
         counts.append(len(formed) - before)
     assert max(counts[1:]) <= explained_lines.AT_ONCE + 1  # and the new second for the base comb
     assert all(explained.subharmonic == (1, 2) for explained in seen)
-    assert [len(explained.fit.seconds) for explained in seen] == [9, 8, 9, 9]  # the first: the base comb's window
+    assert [explained.fit.comb is slow.base for explained in seen] == [True, True, False, False]
     assert all(explained.rho["II"] < 0.01 for explained in seen)
     comb = seen[-1].fit.comb
-    at_once = fit([s.normal(comb) for s in seconds[3:]], comb, 5120.0)
-    assert seen[-1].fit.residual == pytest.approx(at_once.residual, rel=1e-12)
+    whole = [normal_second(s.time, s.phase, s.x, s.start, comb) for s in seconds[3:]]
+    assert seen[-1].fit.residual == pytest.approx(fit(whole, comb, 5120.0).residual, rel=1e-9)
     assert len(comb.lines) > len(slow.base.modulated) + len(slow.base.steady)
 
 
