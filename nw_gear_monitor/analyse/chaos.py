@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from nw_gear_monitor.analyse.findings import Findings
 from nw_gear_monitor.analyse.select import Signal
 from nw_gear_monitor.indicators.correlation_dimension import correlation_dimension
 from nw_gear_monitor.indicators.dispersion_entropy import dispersion_entropy
+from nw_gear_monitor.indicators.divergence import Divergence
 from nw_gear_monitor.indicators.embedding import correlation_lag, embed, mean_period, strobed
 from nw_gear_monitor.indicators.permutation_entropy import permutation_entropy
 from nw_gear_monitor.indicators.recurrence import recurrence
@@ -77,28 +79,49 @@ def _exponent(signal: Signal, x: Array, verdict: Verdict) -> Mapping[str, float]
         raise InputError("x", "a motion that doesn't repeat and doesn't drift", f"one that is {verdict.label}")
     if verdict.noise_db < LEAST_NOISE_DB:
         raise InputError("x", "noise 40 dB or more below the signal", f"{verdict.noise_db:.0f} dB")
-    points, theiler, horizon, rate = _points(signal, x)
-    found = rosenstein(points, theiler=theiler, horizon=horizon, rate=rate, references=REFERENCES)
+    found = _divergence(_points(signal, x))
+    if not found.exponential and signal.phase is not None:
+        seen = _strobed_points(signal, signal.phase)
+        found = found if seen is None else _divergence(seen)
     if not found.exponential:
         got = f"R squared {found.r_squared:.3f} over {found.growth:.2f} nats"
         raise InputError("x", "neighbours that part exponentially", got)
     return dict(zip(STRAIGHT, (found.exponent, found.standard_error, found.r_squared), strict=True))
 
 
-def _points(signal: Signal, x: Array) -> tuple[Array, int, int, float]:
-    """Points of the phase space, Theiler window, steps to follow, steps per second (1 for a map)."""
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Points of the phase space, Theiler window, steps to follow, and steps per second (1 for a map)."""
+
+    points: Array
+    theiler: int
+    horizon: int
+    rate: float
+
+
+def _divergence(given: Points) -> Divergence:
+    return rosenstein(
+        given.points, theiler=given.theiler, horizon=given.horizon, rate=given.rate, references=REFERENCES
+    )
+
+
+def _points(signal: Signal, x: Array) -> Points:
+    """Those of a map, or delay vectors of samples."""
+    period = mean_period(x)
     if signal.rate is None:
         points = embed(x, MAP_DIMENSION) if signal.v is None else strobed(x, signal.v[: x.size])
-        return points, mean_period(x), MAP_HORIZON, 1.0
-    if signal.phase is not None and signal.v is not None:
-        turns = (signal.phase[-1] - signal.phase[0]) / (2.0 * np.pi)
-        if turns >= LEAST_STROBED:
-            points = strobed(section(signal.phase, signal.x), section(signal.phase, signal.v))[:MOST]
-            seconds = (signal.x.size - 1) / signal.rate
-            return points, mean_period(points[:, 0]), MAP_HORIZON, float(turns) / seconds
-    period = mean_period(x)
+        return Points(points, period, MAP_HORIZON, 1.0)
     points = embed(x, FLOW_DIMENSION, max(correlation_lag(x) // 2, 1))
-    return points, period, min(PERIODS_AHEAD * period, x.size // 4), signal.rate
+    return Points(points, period, min(PERIODS_AHEAD * period, x.size // 4), signal.rate)
+
+
+def _strobed_points(signal: Signal, phase: Array) -> Points | None:
+    """Those of the section, where both coordinates are known and strobes are many: for the few samples a period."""
+    turns = float(phase[-1] - phase[0]) / (2.0 * np.pi)
+    if signal.v is None or signal.rate is None or turns < LEAST_STROBED:
+        return None
+    points = strobed(section(phase, signal.x), section(phase, signal.v))[:MOST]
+    return Points(points, mean_period(points[:, 0]), MAP_HORIZON, turns * signal.rate / (signal.x.size - 1))
 
 
 def section(phase: Array, x: Array) -> Array:
@@ -130,7 +153,8 @@ def _recurrences(signal: Signal, x: Array) -> Mapping[str, float]:
 
 def _dimension(signal: Signal, x: Array) -> Mapping[str, float]:
     if signal.rate is None:
-        points, theiler, _, _ = _points(signal, x)
+        given = _points(signal, x)
+        points, theiler = given.points, given.theiler
     else:
         points, theiler = embed(x, RECURRENCE_DIMENSION, correlation_lag(x)), mean_period(x)
     thin = max(math.ceil(len(points) / MOST_POINTS), 1)

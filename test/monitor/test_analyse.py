@@ -71,6 +71,37 @@ def test_a_flow_per_second(analyse, tmp_path):
     assert double["largest_exponent"] == pytest.approx(2.0 * values["largest_exponent"], rel=1e-9)
 
 
+@pytest.mark.slow
+def test_a_driven_oscillator(analyse, tmp_path):
+    """Ueda's x" + 0.05 x' + x^3 = 7.5 sin t: 0.1034 per unit time (Sprott, Chaos and Time-Series Analysis, 2003)."""
+    per_cycle, cycles, fine = 40, 1200, 2
+    step = 2.0 * np.pi / (per_cycle * fine)
+    drive = 7.5 * np.sin(0.5 * step * np.arange(2 * per_cycle * fine))
+    samples = np.empty((cycles * per_cycle, 2))
+
+    def slope(x, v, force):
+        return v, force - 0.05 * v - x**3
+
+    x, v = 2.5, 0.0
+    for number in range(-50 * per_cycle * fine, cycles * per_cycle * fine):
+        if number % fine == 0:
+            samples[max(number // fine, 0)] = x, v
+        forces = [drive[(2 * number + k) % drive.size] for k in range(3)]
+        a = slope(x, v, forces[0])
+        b = slope(x + 0.5 * step * a[0], v + 0.5 * step * a[1], forces[1])
+        c = slope(x + 0.5 * step * b[0], v + 0.5 * step * b[1], forces[1])
+        d = slope(x + step * c[0], v + step * c[1], forces[2])
+        x += step / 6.0 * (a[0] + 2.0 * b[0] + 2.0 * c[0] + d[0])
+        v += step / 6.0 * (a[1] + 2.0 * b[1] + 2.0 * c[1] + d[1])
+    np.savetxt(tmp_path / "a.csv", samples, delimiter=",", header="x,v", comments="")
+    options = ("--rate", per_cycle / (2.0 * np.pi), "--strobe", 1.0 / (2.0 * np.pi))
+    for more in ((), ("--velocity", "v")):
+        channel = only(analyse(tmp_path / "a.csv", *options, "--column", "x", *more))
+        assert channel["state"] == "chaotic"
+        assert channel["indicators"]["largest_exponent"] == pytest.approx(0.1034, rel=0.25)
+        assert channel["indicators"]["zero_one_k"] > 0.95
+
+
 def test_noise_drowns_the_exponent_and_the_reason_is_said(analyse, tmp_path):
     x = lorenz(8192)[:, 0]
     np.save(tmp_path / "x.npy", x + 0.05 * np.std(x) * np.random.default_rng(1).standard_normal(x.size))
