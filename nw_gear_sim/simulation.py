@@ -161,6 +161,14 @@ class Simulation:
         self._friction = FrictionTables(self.gearbox.laws.friction)
         self._friction.fill(speed, self._table)
 
+    def state(self) -> dict[str, Array]:
+        """Return all that the integrator carries on, as copies: displacements `x` or `q`, and more (see `solvers`)."""
+        return self._solver.state()
+
+    def take(self, state: Mapping[str, Array]) -> None:
+        """Go on from such a state, of this simulation or of one with the same configuration and drive."""
+        self._solver.restore(state)
+
     @property
     def q(self) -> Array:
         """Displacements now, as in `layout`, m; where the ring is reduced, those of the modes kept."""
