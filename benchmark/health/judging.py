@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from benchmark.health.statistics import WINDOWS
-from benchmark.health.surrogate import Surrogate
+from health.statistics import WINDOWS
+from health.surrogate import Surrogate
 from nw_gear_common.tables import Array
 from nw_gear_monitor.alarms import kernel
 from nw_gear_monitor.alarms.baseline import empty

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from benchmark.health.recording import Recording
+from health.recording import Recording
 from nw_gear_common.tables import Array
 from nw_gear_monitor.alarms.features import LONG, SHORT, rule_of
 from nw_gear_monitor.alarms.operating import Bin, Steadiness
@@ -91,8 +91,8 @@ def _scores(name: str, logarithms: list[Array], keys: list[Keys]) -> Scores:
     for values, own in zip(logarithms, keys, strict=True):
         score = np.full(len(values), np.nan)
         for i, key in enumerate(own):
-            if key in bins and bins[key][1] > LEAST_DEVIATION:  # type: ignore[index]  # None is in no bin
-                mean, deviation, _ = bins[key]  # type: ignore[index]
+            if key in bins and bins[key][1] > LEAST_DEVIATION:
+                mean, deviation, _ = bins[key]
                 score[i] = (values[i] - mean) / deviation
         series.append(score)
     return Scores(name, bins, series)
@@ -109,7 +109,7 @@ def normal_scores(series: Sequence[Array]) -> list[Array]:
 
 def autocorrelation(series: Sequence[Array], lags: int = LAGS) -> Array:
     """(lags + 1,) correlation of normal scores with those some seconds later, over pairs that both exist."""
-    found = np.zeros(lags + 1)
+    found: Array = np.zeros(lags + 1)
     found[0] = 1.0
     for lag in range(1, lags + 1):
         pairs = [(s[:-lag], s[lag:]) for s in series if s.size > lag]
@@ -128,7 +128,7 @@ def correlation(features: Sequence[list[Array]]) -> Array:
     count = seen.astype(float) @ seen.T
     own = np.sqrt((filled**2) @ seen.T)
     with np.errstate(invalid="ignore", divide="ignore"):
-        found = (filled @ filled.T) / (own * own.T)
+        found: Array = (filled @ filled.T) / (own * own.T)
     found[~((count >= LEAST_SCORES) & np.isfinite(found))] = 0.0
     np.fill_diagonal(found, 1.0)
     return found

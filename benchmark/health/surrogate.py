@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy import linalg, signal
 
-from benchmark.health.statistics import WINDOWS, keys_of
+from health.statistics import WINDOWS, keys_of
 from nw_gear_common.tables import Array
 from nw_gear_monitor.alarms.features import rule_of
 from nw_gear_monitor.alarms.operating import Bin

@@ -15,8 +15,8 @@ Statistics of one bin are rows of an array (ROWS, features), the state of the al
 - A fault must not become the standard in the windows before it is found. Once a bin judges, a value over the limit of
   WARN is learned as that limit (Winsor's way) where none of the four windows before was over it, else not at all; nor
   is one over the limit of ERROR, nor any while the alarm lasts.
-- A latch is set where 3 of the last 5 judged windows were over its limit, released after 5 in a row under 0.9 of it.
-  Both latches give the level: ERROR, else WARN, else OK.
+- A latch is set where 3 (WARN) or 4 (ERROR) of the last 5 judged windows were over its limit, and released after 5 in a
+  row under 0.9 of it. Both latches give the level: ERROR, else WARN, else OK.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ WARN_LATCH, ERROR_LATCH, JUDGED = 2, 5, 6
 COUNTED = [0, 1, 3, 4]
 STATES = 7
 """Rows of the state: bits, windows under 0.9 and latch of WARN; the same of ERROR; hop of the last judgement."""
-WINDOWS, NEEDED = 5, 3
+WINDOWS, WARN_NEEDED, ERROR_NEEDED = 5, 3, 4
 MOST_APART = 8.0
 CLEARED = 0.9
 ALL_BITS = (1 << WINDOWS) - 1
@@ -75,14 +75,17 @@ def limit(statistics: Array, feature: int, offset: float, deviations: float) -> 
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def latch(bits: int, under: int, is_set: bool, x: float, bound: float) -> tuple[int, int, bool]:
-    """One judged window: bits of the last five (over the limit), windows in a row under 0.9 of it, the latch."""
+def latch(bits: int, under: int, is_set: bool, x: float, bound: float, needed: int) -> tuple[int, int, bool]:
+    """One judged window: bits of the last five (over the limit), windows in a row under 0.9 of it, the latch.
+
+    `needed` of the last five set it.
+    """
     bits = ((bits << 1) | (1 if x > bound else 0)) & ALL_BITS
     under = min(under + 1, WINDOWS) if x < CLEARED * bound else 0
     over = 0
     for k in range(WINDOWS):
         over += (bits >> k) & 1
-    if over >= NEEDED:
+    if over >= needed:
         return bits, under, True
     return bits, under, is_set and under < WINDOWS
 
@@ -112,6 +115,7 @@ def judge(states: Whole, feature: int, x: float, warn: float, error: float) -> N
             states[3 * k + 2, feature] != 0,
             x,
             warn if k == 0 else error,
+            WARN_NEEDED if k == 0 else ERROR_NEEDED,
         )
         states[3 * k, feature], states[3 * k + 1, feature] = bits, under
         states[3 * k + 2, feature] = 1 if is_set else 0

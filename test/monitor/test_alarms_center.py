@@ -69,7 +69,7 @@ def test_an_alarm_comes_in_the_third_window_and_goes_after_five():
 def test_error_follows_warn_and_both_go():
     watched = Watched()
     high = 1.01 * watched.limits()[1] / watched.limits()[0]
-    assert [t.alarm.level for t in watched.feed([high] * 10)] == [ERROR]
+    assert [(t.before, t.alarm.level) for t in watched.feed([high] * 10)] == [(OK, WARN), (WARN, ERROR)]
     assert [t.alarm.level for t in watched.feed([1.01] * 10)] == [WARN]
     (alarm,) = watched.center.alarms
     assert (alarm.worst, alarm.since) == (ERROR, 63.0)
@@ -92,7 +92,7 @@ def test_acknowledged_alarms_stay_until_their_cause_goes_and_come_anew_when_they
     assert watched.center.acknowledge() == []
     assert [(a.level, a.acknowledged) for a in watched.center.alarms] == [(WARN, True)]
     high = 1.01 * watched.limits()[1] / watched.limits()[0]
-    watched.feed([high] * 3)
+    watched.feed([high] * 4)
     assert [(a.level, a.acknowledged) for a in watched.center.alarms] == [(ERROR, False)]
     watched.center.acknowledge()
     watched.feed([1.01] * 5)
@@ -164,9 +164,10 @@ def test_windows_are_judged_apart_and_learned_every_second(window, name, apart):
     found = []
     for second in range(100):
         found += [(second, t.alarm.level) for t in center.update(1000.0 + second, POINT, {name: 10.0})]
-    ((second, level),) = found
-    assert level == ERROR
-    assert 2 * apart <= second < 3 * apart
+    (warned, warn), (erred, error) = found
+    assert (warn, error) == (WARN, ERROR)
+    assert 2 * apart <= warned < 3 * apart
+    assert erred == warned + apart
 
 
 def test_values_off_their_scale_are_left_out():

@@ -17,12 +17,12 @@ LOW, NEAR, HIGH = 0.5, 0.95, 1.5
 """Values under 0.9 of a limit of 1, between that and the limit, over it."""
 
 
-def by_the_rule(values, bound):
-    """Set when three of the last five are over the limit; released when the last five are under 0.9 of it."""
+def by_the_rule(values, bound, needed=3):
+    """Set when so many of the last five are over the limit; released when the last five are under 0.9 of it."""
     shown, is_set = [], False
     for end in range(1, len(values) + 1):
         last = values[max(0, end - 5) : end]
-        if len([x for x in last if x > bound]) >= 3:
+        if len([x for x in last if x > bound]) >= needed:
             is_set = True
         elif len(last) == 5 and all(x < 0.9 * bound for x in last):
             is_set = False
@@ -30,22 +30,24 @@ def by_the_rule(values, bound):
     return shown
 
 
-def by_the_latch(values, bound):
+def by_the_latch(values, bound, needed=3):
     shown, state = [], (0, 0, False)
     for x in values:
-        state = kernel.latch(*state, x, bound)
+        state = kernel.latch(*state, x, bound, needed)
         shown.append(state[2])
     return shown
 
 
 def test_the_latch_follows_the_rule_on_every_sequence_of_nine_windows():
     for values in itertools.product((LOW, NEAR, HIGH), repeat=9):
-        assert by_the_latch(values, 1.0) == by_the_rule(values, 1.0), values
+        for needed in (3, 4):
+            assert by_the_latch(values, 1.0, needed) == by_the_rule(values, 1.0, needed), values
 
 
 @given(st.lists(st.sampled_from((LOW, NEAR, HIGH)), min_size=10, max_size=80))
 def test_the_latch_follows_the_rule_on_long_sequences(values):
     assert by_the_latch(values, 1.0) == by_the_rule(values, 1.0)
+    assert by_the_latch(values, 1.0, 4) == by_the_rule(values, 1.0, 4)
 
 
 def known(mean=0.0, deviation=1.0, features=1, count=1e12):
@@ -72,7 +74,7 @@ def run(block, rows, deviations=(3.0, 6.0), learning=False, least=20.0, spacing=
 @given(st.lists(st.floats(-2.0, 8.0), min_size=1, max_size=60))
 def test_levels_follow_from_both_rules(values):
     x = np.exp(values)
-    warn, error = by_the_rule(x, math.exp(3.0)), by_the_rule(x, math.exp(6.0))
+    warn, error = by_the_rule(x, math.exp(3.0)), by_the_rule(x, math.exp(6.0), 4)
     wanted = [2 if e else 1 if w else 0 for w, e in zip(warn, error, strict=True)]
     assert run(known(), np.array(values)[:, None])[:, 0].tolist() == wanted
 
@@ -93,7 +95,7 @@ def test_share_of_windows_that_set_the_latch_is_binomial(deviations):
     over = stats.norm.sf(deviations)
     state, sets = (0, 0), []
     for x in values:
-        bits, under, is_set = kernel.latch(*state, False, x, math.exp(deviations))
+        bits, under, is_set = kernel.latch(*state, False, x, math.exp(deviations), 3)
         state = bits, under
         sets.append(is_set)
     wanted = stats.binom.sf(2, 5, over)
@@ -159,7 +161,7 @@ def test_nothing_is_judged_before_the_bin_has_seen_enough():
     shown = run(empty(1), rows, learning=True, least=20.0)
     assert not shown[:21].any()  # the twentieth window is learned, the next ones judged
     rows = np.concatenate([np.random.default_rng(0).normal(scale=0.1, size=(20, 1)), np.full((5, 1), 9.0)])
-    assert run(empty(1), rows, learning=True, least=20.0)[:, 0].tolist() == [0] * 22 + [2] * 3
+    assert run(empty(1), rows, learning=True, least=20.0)[:, 0].tolist() == [0] * 22 + [1] + [2] * 2
 
 
 def test_what_raises_an_alarm_is_not_learned():
