@@ -17,7 +17,7 @@ from nw_gear_monitor.pipeline import Pipeline
 from test.monitor import foreign
 
 ROOT = Path(__file__).resolve().parents[1]
-OMEGAS = tuple(round(0.6 + 0.05 * k, 2) for k in range(27))
+OMEGAS = (0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.15, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0)
 NOISE = {"60 dB": 1e-3, "40 dB": 1e-2, "20 dB": 1e-1}
 SECONDS = 16.0
 STILL = 1e-4

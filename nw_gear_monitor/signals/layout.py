@@ -11,8 +11,8 @@ from nw_gear_common.tables import Table
 
 LEAST_ROWS = 2
 """A block of one sample tells no sample rate."""
-LARGEST = 1e100
-"""A value beyond this is no measurement; its square would be no number either."""
+LARGEST = 1e60
+"""A value beyond this is no measurement; its fourth power would hardly be one."""
 
 
 @dataclass(frozen=True)

@@ -218,3 +218,31 @@ def test_what_was_told_is_not_told_again(machine):
     status = health.stream_status(continuity, copy.copy(continuity))
     assert (status.level, status.message) == (health.OK, "contiguous")
     assert status.values["last late"].startswith("a block came twice")
+
+
+def odd():
+    """Displacements that are numbers, but no vibration of a gear."""
+    generator = np.random.default_rng(0)
+    size = 10 * RATE
+    time = np.arange(size) / RATE
+    return {
+        "a spike": np.where(np.arange(size) == 3000, 1.0, 0.0),
+        "rounding": 1e-320 * generator.standard_normal(size),
+        "huge": 1e59 * generator.standard_normal(size),
+        "a step": np.where(time > 5.0, 1e3, 0.0),
+        "drift": time,
+        "two values": generator.integers(0, 2, size) * 1.0,
+        "an offset that leaves no digits": 1e15 + np.cos(2.0 * np.pi * 100.0 * time),
+    }
+
+
+@pytest.mark.parametrize("name", odd())
+def test_what_is_no_vibration_gets_no_state_and_no_infinity(machine, name):
+    data = made(10)
+    data[:, 2] = odd()[name]
+    hops, continuity, _ = run(machine, blocks(data, 160))
+    assert (len(hops), continuity.malformed) == (10, 0)
+    assert {hop.stages["pair"].state.label for hop in hops} == {names.UNKNOWN}
+    for hop in hops:
+        tables = [hop.spectrum, hop.orders, *hop.sections.values(), *hop.indicators.values()]
+        assert not any(np.isinf(table.data).any() for table in tables if table is not None)
