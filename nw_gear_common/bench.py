@@ -29,7 +29,7 @@ def bench(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Everything once and shortly; the figures are rough.")] = False,
 ) -> None:
-    """Measure speed and accuracy of the simulator and the indicators on this machine (about two minutes)."""
+    """Measure speed and accuracy of the simulator and the indicators on this machine (two to five minutes)."""
     from nw_gear_common.machine import describe  # noqa: PLC0415 - commands are light to import
 
     machine = describe()

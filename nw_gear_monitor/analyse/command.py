@@ -65,7 +65,10 @@ def analyse(
     source = read.read(file)
     for name, reason in source.left_out.items():
         print(f"{name}: left out, {reason}", file=sys.stderr)
-    results = [measure.measure(signal, wanted) for signal in select.signals(source, wanted)]
+    results = []
+    for signal in select.signals(source, wanted):
+        print(signal.name, file=sys.stderr, flush=True)
+        results.append(measure.measure(signal, wanted))
     found = _as_object(results)
     if output is not None:
         _write(output, file, results, found)

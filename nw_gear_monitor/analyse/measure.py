@@ -64,12 +64,19 @@ class Result:
 
 
 def measure(signal: Signal, options: Options) -> Result:
-    """Find out everything about one channel.
+    """Find out everything about one channel; errors name it.
 
     Raises:
         InputError: a band beyond half the sample rate or without vibration, a record too short for it, too few samples
             for each strobe.
     """
+    try:
+        return _measured(signal, options)
+    except InputError as error:
+        raise InputError(f"{signal.name}: {error.place}", error.expected, error.got) from None
+
+
+def _measured(signal: Signal, options: Options) -> Result:
     exponent = int(np.frexp(np.max(np.abs(signal.x)))[1])
     unit = replace(signal, x=np.ldexp(signal.x, -exponent), v=_unit(signal.v))
     verdict = _verdict(unit)
@@ -130,8 +137,7 @@ def _envelope(signal: Signal, options: Options, impulsive: Band | None) -> Envel
     band = options.envelope
     if band is None:
         if impulsive is None:
-            place = f"channel {signal.name}"
-            raise InputError(f"{place}: --bearing-orders", "--envelope LOW:HIGH", "none, and no band is impulsive")
+            raise InputError("--bearing-orders", "--envelope LOW:HIGH", "none, and no band is impulsive")
         band = impulsive.low, impulsive.high
     spectrum = lines.envelope_spectrum(signal.x, signal.rate, band)
     bearing = lines.bearing_lines(spectrum, options.shaft_rate or 0.0, options.bearing_orders)

@@ -16,9 +16,10 @@ from markupsafe import Markup
 import nw_gear_common
 from nw_gear_common.tables import Array
 from nw_gear_monitor.analyse.chaos import section
+from nw_gear_monitor.analyse.lines import Line
 from nw_gear_monitor.analyse.measure import Envelope, Result
 from nw_gear_monitor.analyse.select import Signal
-from nw_gear_monitor.analyse.table import cell, state_line
+from nw_gear_monitor.analyse.table import cell, indicator_rows, state_line
 from nw_gear_monitor.indicators.embedding import correlation_lag
 from nw_gear_monitor.review.figures import style
 from nw_gear_monitor.review.template import STYLE
@@ -70,7 +71,7 @@ def render(title: str, results: Sequence[Result]) -> str:
             "colour": style.state_colour(result.verdict.label),
             "state": state_line(result),
             "figures": Markup(div),
-            "rows": [(n, cell(v), result.findings.notes.get(n, "")) for n, v in result.findings.values.items()],
+            "rows": [*indicator_rows(result), *_line_rows(result)],
         }
         for result, div in zip(results, divs, strict=True)
     ]
@@ -83,6 +84,24 @@ def render(title: str, results: Sequence[Result]) -> str:
         script=Markup(script),
         version=nw_gear_common.__version__,
     )
+
+
+def _line_rows(result: Result) -> list[tuple[str, str, str]]:
+    """Lines of the envelope, the bearing and the shaft as rows of the table."""
+    found: list[tuple[str, Sequence[Line]]] = [("line of the shaft", result.shaft)]
+    if result.envelope is not None:
+        found = [
+            ("line of the envelope", result.envelope.peaks),
+            ("line of the bearing", result.envelope.bearing),
+            *found,
+        ]
+    rows = []
+    for name, lines in found:
+        for line in lines:
+            order = "" if line.order is None else f", order {line.order:.4g}"
+            above = "" if np.isnan(line.prominence) else f"{line.prominence:.3g} times the floor"
+            rows.append((f"{name}{order}, at {line.hz:.6g} Hz", cell(line.amplitude), above))
+    return rows
 
 
 def _figures(result: Result) -> Model:

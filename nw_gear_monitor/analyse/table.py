@@ -26,7 +26,7 @@ def show(results: Sequence[Result]) -> None:
         rate = "steps of a map" if signal.rate is None else f"samples at {signal.rate:.6g} Hz"
         console.print(f"{signal.name}: {signal.x.size} {rate}")
         console.print(f"state: {state_line(result)}")
-        console.print(_table(console, ("indicator", "value", ""), _rows(result)))
+        console.print(_table(console, ("indicator", "value", ""), indicator_rows(result)))
         for title, lines in _lines(result):
             console.print(title)
             rows = [tuple(cell(v) for v in (line.order, line.hz, line.amplitude, line.prominence)) for line in lines]
@@ -40,9 +40,10 @@ def state_line(result: Result) -> str:
     return f"{verdict.label} ({100.0 * verdict.confidence:.0f} %){noise}: {verdict.reason}"
 
 
-def _rows(result: Result) -> list[tuple[str, ...]]:
+def indicator_rows(result: Result) -> list[tuple[str, str, str]]:
+    """Name, value with its unit, and note of each indicator."""
     findings = result.findings
-    rows: list[tuple[str, ...]] = []
+    rows: list[tuple[str, str, str]] = []
     for name, value in findings.values.items():
         unit = UNITS.get(name, ("", ""))[result.signal.rate is None]
         rows.append(

@@ -12,12 +12,10 @@ import numpy as np
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
-from nw_gear_monitor.datafiles.source import Source, content, listed, printable
+from nw_gear_monitor.datafiles.source import Source, content, listed, printable, time_unit
 
 KIND = "a text with columns (CSV)"
 DELIMITERS = (";", "\t", ",")
-TIME = re.compile(r"(time|t|timestamp|zeit|seconds)\s*(?:[\[(/]\s*(\w+)\s*[\])]?)?", re.IGNORECASE)
-UNITS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0}
 CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
 LONGEST_NUMBER = 40
 
@@ -47,7 +45,7 @@ def read(path: Path) -> Source:
     time, resolution = None, 0.0
     for k, name in enumerate(names):
         cells = [row[k] for _, row in body]
-        unit = _time_unit(name)
+        unit = time_unit(name)
         if time is None and unit is not None:
             time = name
             columns[name], resolution = _times(place, name, unit, cells, rows)
@@ -101,12 +99,6 @@ def _names(place: str, header: Sequence[str]) -> list[str]:
     if twice:
         raise InputError(f"{place}: header", "each name once", f"twice: {listed(twice)}")
     return names
-
-
-def _time_unit(name: str) -> float | None:
-    """Seconds in the unit of a column of times; None for any other column."""
-    found = TIME.fullmatch(name.strip())
-    return None if found is None else UNITS.get((found.group(2) or "s").lower())
 
 
 def _number(cell: str) -> float | None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
 from nw_gear_monitor.datafiles.matelements import Elements, variables
-from nw_gear_monitor.datafiles.source import Source, content, numbered
+from nw_gear_monitor.datafiles.source import Source, content, numbered, with_times
 
 KIND = "a MAT file (version 5 to 7)"
 HEADER = 128
@@ -46,7 +46,7 @@ def read(path: Path) -> Source:
             columns |= numbered(place, numbers, f"{name}_")
     if not columns:
         raise InputError(place, "a vector or matrix of real numbers", ", ".join(sorted(left_out))[:80] or "nothing")
-    return Source(place, columns, _rate(place, rates), left_out=left_out)
+    return Source(place, columns, _rate(place, rates), time=with_times(columns), left_out=left_out)
 
 
 def _rate(place: str, rates: dict[str, float]) -> float | None:

@@ -12,7 +12,7 @@ from numpy.lib import format as npy
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
-from nw_gear_monitor.datafiles.source import Source, content, numbered, printable
+from nw_gear_monitor.datafiles.source import Source, content, numbered, printable, with_times
 
 KIND = "a NumPy file (.npy)"
 VERSIONS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
@@ -39,7 +39,8 @@ def read(path: Path) -> Source:
         raise InputError(place, "an array of one or two dimensions" if not fields else "rows of fields", f"{shape}")
     array = np.frombuffer(data, kind, count, offset).reshape(shape, order="F" if fortran else "C")
     if fields:
-        return Source(place, {name: _plain(array[name]) for name in fields})
+        columns = {name: _plain(array[name]) for name in fields}
+        return Source(place, columns, time=with_times(columns))
     return Source(place, numbered(place, _plain(array)))
 
 

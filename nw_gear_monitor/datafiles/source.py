@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,6 +10,8 @@ from pathlib import Path
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
 
+TIME = re.compile(r"(time|t|timestamp|zeit|seconds)\s*(?:[\[(/_,]\s*(\w+)\s*[\])]?)?", re.IGNORECASE)
+UNITS = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0}
 MOST_LISTED = 24
 LONGEST_SHOWN = 60
 
@@ -77,6 +80,22 @@ def content(path: Path, kind: str) -> bytes:
     if not found:
         raise InputError(str(path), kind, "an empty file")
     return found
+
+
+def time_unit(name: str) -> float | None:
+    """Seconds in the unit of a column of times, such as `t`, `Time [ms]`, `time_s`; None for any other name."""
+    found = TIME.fullmatch(name.strip())
+    return None if found is None else UNITS.get((found.group(2) or "s").lower())
+
+
+def with_times(columns: dict[str, Array]) -> str | None:
+    """Name of the first column of times, now in s; None where there is none."""
+    for name, values in columns.items():
+        unit = time_unit(name.rpartition(".")[2])
+        if unit is not None:
+            columns[name] = unit * values
+            return name
+    return None
 
 
 def numbered(place: str, array: Array, name: str = "ch") -> dict[str, Array]:

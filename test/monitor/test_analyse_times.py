@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.io import savemat
 
 from nw_gear_common.errors import InputError
-from nw_gear_monitor.datafiles import csvfile
+from nw_gear_monitor.datafiles import csvfile, matfile, npyfile
 from nw_gear_monitor.datafiles.source import Source
 from nw_gear_monitor.datafiles.timing import sample_rate
 
@@ -53,6 +54,18 @@ def test_units(tmp_path: Path, unit, seconds):
     file = tmp_path / "a.csv"
     file.write_text(f"x,time [{unit}]\n" + "\n".join(f"{k % 7},{k}" for k in range(200)), encoding="utf-8")
     assert sample_rate(csvfile.read(file), None) == pytest.approx(1.0 / seconds)
+
+
+def test_times_in_files_without_a_header(tmp_path: Path):
+    """A vector t of MATLAB, also within a structure, and a field of a structured array."""
+    time = np.arange(300) / 64.0
+    for variables in ({"x": np.sin(time), "t": time}, {"run": {"x": np.sin(time), "Time": time}}):
+        savemat(tmp_path / "a.mat", variables)
+        assert sample_rate(matfile.read(tmp_path / "a.mat"), None) == pytest.approx(64.0)
+    fields = np.zeros(300, dtype=[("time_ms", "f8"), ("x", "f4")])
+    fields["time_ms"] = 1e3 * time
+    np.save(tmp_path / "a.npy", fields)
+    assert sample_rate(npyfile.read(tmp_path / "a.npy"), None) == pytest.approx(64.0)
 
 
 def test_what_the_file_says_twice_has_to_agree():
