@@ -23,6 +23,7 @@ ARGUMENTS = (
     ("start_offset", "0.0", "Recorded seconds to leave out at the beginning."),
     ("monitor", "false", "Compute the indicators anew, in the namespace again/<namespace>."),
     ("config", "", "Configuration of that monitor: a YAML file, or the name of a preset."),
+    ("machine", "", "Another machine than the built-in gearbox for that monitor: a YAML file."),
 )
 
 
@@ -43,6 +44,7 @@ def generate_launch_description() -> LaunchDescription:
     }
     monitored = {
         "config": given("config", str),
+        "machine": given("machine", str),
         "waveform_topic": ParameterValue(["/", LaunchConfiguration("namespace"), "/waveform"], value_type=str),
         "use_sim_time": True,
     }
