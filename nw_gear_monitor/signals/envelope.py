@@ -43,7 +43,7 @@ def envelope(x: Array, rate: float, band: tuple[float, float]) -> Array:
         x: (samples,) any unit.
         rate: samples per second, Hz.
         band: low and high limit, Hz, at which half of the amplitude is left; low 0 gives a low-pass, high rate/2 a
-            high-pass.
+            high-pass, and so does what is closer to them than one over the record's length.
 
     Returns:
         (samples,) in the unit of x; at either end, EDGE_PERIODS / (high - low) seconds long, the filter rings.
@@ -98,6 +98,9 @@ def envelope_spectrum(x: Array, rate: float, phase: Array, band: tuple[float, fl
 
 def _band_pass(x: Array, rate: float, low: float, high: float) -> Array:
     nyquist = 0.5 * rate
+    bin_width = rate / x.size
+    low = low if low >= bin_width else 0.0
+    high = high if high <= nyquist - bin_width else nyquist
     if low == 0.0 and high == nyquist:
         return x
     if low == 0.0:
