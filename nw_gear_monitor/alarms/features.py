@@ -7,7 +7,7 @@ that 1 is taken off.
 
 Left out on purpose: means (they are the load), peak-to-peak (rms and crest factor together), the third and higher mesh
 harmonics (within one bin of speed they pass resonances: the third of stage II spreads by a factor of three and was most
-of the false alarms of a month), NA4 (it compares with the beginning by itself), what describes a state (K, tonal share).
+of the false alarms of a month), NA4 (it compares with the beginning itself), what describes a state (K, tonal share).
 """
 
 from __future__ import annotations
