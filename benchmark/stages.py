@@ -3,9 +3,9 @@
     python benchmark/stages.py            64 records through the monitor (some ten minutes)
     python benchmark/stages.py --table    the tables in docs/indicators.md, from the last results
 
-Truth is the largest exponent by a twin trajectory over the record itself, and the subharmonic lines of the record without
-noise. Classes are fixed beforehand: chaotic above STRONG with three standard errors to 0, weakly chaotic or
-undecided from there to three standard errors below 0, regular under that. The label of a record is the one that its
+Truth is the largest exponent by a twin trajectory over the record itself, and the subharmonic lines of the record
+without noise. Classes are fixed beforehand: strongly chaotic above STRONG with three standard errors to 0, weakly chaotic
+or undecided from there to three standard errors below 0, regular under that. The label of a record is the one that its
 stage shows in most seconds once the window is full.
 """
 
