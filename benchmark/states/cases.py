@@ -120,7 +120,11 @@ def draw(name: str) -> tuple[list[Case], Counter[str]]:
             found, dropped = _of_family(family, np.random.default_rng([SETS[name], number]))
             cases += found
             excluded += dropped
-            print(f"{name} {family.name}: {len(found)} cases, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+            print(
+                f"{name} {family.name}: {len(found)} cases, {time.monotonic() - began:.0f} s",
+                file=sys.stderr,
+                flush=True,
+            )
     return cases, excluded
 
 
@@ -141,7 +145,16 @@ def _of_family(family: Family, random: np.random.Generator) -> tuple[list[Case],
             both = both and family.two_channels
             cases.append(
                 Case(
-                    family.name, family.system, found.label, found.exponent, per_cycle, both, seed, found.first, p, found.state
+                    family.name,
+                    family.system,
+                    found.label,
+                    found.exponent,
+                    per_cycle,
+                    both,
+                    seed,
+                    found.first,
+                    p,
+                    found.state,
                 )
             )
     return cases, excluded

@@ -114,7 +114,7 @@ def _renormalise(s, cycle, growth):  # type: ignore[no-untyped-def]  # noqa: ANN
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _map(kind, p, s, first, cycles, wave, growth):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202, C901, PLR0912
+def _map(kind, p, s, first, cycles, wave, growth):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202, C901
     for cycle in range(cycles):
         x, y, dx, dy = s[0], s[1], s[4], s[5]
         if wave.shape[0] > 0:

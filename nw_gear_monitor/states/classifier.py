@@ -27,8 +27,8 @@ def classify(x: Array, *, rate: float | None = None, strobe: Array | None = None
         v: (samples,) a second channel of the same system, such as the derivative of x.
 
     Raises:
-        InputError: values that aren't finite, other lengths, a phase that doesn't grow, a rate that isn't positive, fewer
-            than 4 samples to a cycle.
+        InputError: values that aren't finite, other lengths, a phase that doesn't grow, a rate that isn't positive,
+            fewer than 4 samples to a cycle.
     """
     x = checked.finite("x", x, 2)
     if v is not None:

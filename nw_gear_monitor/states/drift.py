@@ -14,8 +14,8 @@ LEAST_SHARE = 0.15
 def trend(rest: Array, period: int) -> Array:
     """The part of cycles that changes slowly, zero where it is no more than noise has.
 
-    Through the cycles k mod period polynomials of degree DEGREE without constant are laid; they swing at most once and a
-    half in the window, so that a torus, whose slowest beat turns, isn't followed.
+    Through the cycles k mod period polynomials of degree DEGREE without constant are laid; they swing at most once
+    and a half in the window, so that a torus, whose slowest beat turns, isn't followed.
 
     Args:
         rest: (cycles, points) less the waveform of `period` cycles.

@@ -18,9 +18,9 @@ STEPS = 64
 def floor(values: Array) -> float:
     """Standard deviation of the white noise in samples: the quietest band of the upper spectrum.
 
-    In each of up to BANDS bands the median of the periodogram (Hann window) over ln 2 is the level of the noise, however
-    many lines stand in it; the least of them is taken. A signal that fills every band (a map, fast chaos sampled
-    coarsely) reads too high: this is an upper limit.
+    In each of up to BANDS bands the median of the periodogram (Hann window) over ln 2 is the level of the noise,
+    however many lines stand in it; the least of them is taken. A signal that fills every band (a map, fast chaos
+    sampled coarsely) reads too high: this is an upper limit.
 
     Args:
         values: (samples,) at equal steps, any unit.

@@ -26,6 +26,8 @@ LONG_MEMORY = 80
 HORIZONS = (0.15, 0.2, 0.25, 0.3, 0.35)
 """Shares of the record."""
 SILENT = 0.93
+ENOUGH = 0.1
+"""A linear prediction over many cycles that good makes all others idle."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,8 @@ def predictability(states: Array, targets: Array, rest: Array) -> Predictability
     far = _linear_far(rest, horizons)
     near, expansion = _near(states, targets, local=False)
     if min(linear, far, near) > SILENT * unit:  # noise in the simplest view: no better one is looked for
+        return Predictability(near / unit, linear / unit, far / unit, expansion)
+    if far < ENOUGH * unit:
         return Predictability(near / unit, linear / unit, far / unit, expansion)
     for delays in DELAYS:
         error, widening = _near(_delayed(states, delays), targets[delays - 1 :], local=True)

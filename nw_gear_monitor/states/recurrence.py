@@ -19,6 +19,8 @@ ENOUGH = 0.7
 BESIDE = 14
 ASIDE = 2
 LEAST_REPEATS = 8
+TAPERED = 2.0
+"""A Hann window keeps two thirds of a line's power against the noise; the rest is leeway."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +45,9 @@ class Recurrence:
 def recurrence(record: Record, resolution: float) -> Recurrence:
     """Find the recurrence period of a record.
 
-    Starting from one cycle, the waveform of n cycles is taken out, and the rest is tested for lines at p/(n j), for every
-    j: their power is compared with that of the spectrum beside them, which may be noise of any colour or chaos. n grows
-    until no line is left, and is then replaced by the smallest divisor that leaves no line either.
+    Starting from one cycle, the waveform of n cycles is taken out, and the rest is tested for lines at p/(n j), for
+    every j: their power is compared with that of the spectrum beside them, which may be noise of any colour or chaos. n
+    grows until no line is left, and is then replaced by the smallest divisor that leaves no line either.
 
     Args:
         record: the signal.
@@ -92,12 +94,27 @@ def _longer(rest: Array, period: int) -> tuple[int, float]:
 
 
 def _lines(rest: Array, spectrum: Array, freedom: float, n: int, period: int) -> tuple[float, float]:
-    """Sum of squares in the lines p/n that aren't lines of `period`, and its ratio to what chance allows."""
+    """Sum of squares in the lines p/n that aren't lines of `period`, and its ratio to what chance allows.
+
+    The ratio must hold in the window's taper as well: slow changes leak into every line of an untapered spectrum.
+    """
     size, width = rest.shape
     power = _explained(rest, n) / width
-    limit = float(chi2.isf(CHANCE, (n - period) * freedom)) / freedom * _beside(spectrum, n, period, size)
-    least = max(limit, size * LEAST_SPLITTING**2)
-    return power, power / least
+    beside = _beside(spectrum, n, period, size)
+    limit = float(chi2.isf(CHANCE, (n - period) * freedom)) / freedom * beside
+    ratio = power / max(limit, size * LEAST_SPLITTING**2)
+    if ratio > 1.0:
+        ratio = min(ratio, TAPERED * _tapered(rest, n, period) / max(limit, 1e-300))
+    return power, ratio
+
+
+def _tapered(rest: Array, n: int, period: int) -> float:
+    """Power of the same lines in the periodogram with Hann window."""
+    size, width = rest.shape
+    window = np.hanning(size)
+    lines = np.array([p / n for p in range(1, n) if p * period % n])
+    turns = np.exp(-2j * np.pi * np.outer(lines, np.arange(size))) * window
+    return float(np.sum(np.abs(turns @ rest) ** 2) / np.sum(window**2) / width)
 
 
 def _explained(rest: Array, n: int) -> float:

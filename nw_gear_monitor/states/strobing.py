@@ -21,8 +21,8 @@ SMOOTHED = 8
 def dominant_phase(x: Array) -> Array | None:
     """Phase (rad) of the strongest line of a sampled signal; None where no line stands out or its phase wanders.
 
-    The line is shifted to zero frequency and averaged over PARTS parts of the record; through its unwrapped phase goes a
-    polynomial of degree DEGREE in time, so that a slow change of speed is followed and noise is not.
+    The line is shifted to zero frequency and averaged over PARTS parts of the record; through its unwrapped phase goes
+    a polynomial of degree DEGREE in time, so that a slow change of speed is followed and noise is not.
 
     Args:
         x: (samples,) any unit, at equal steps.
