@@ -20,7 +20,7 @@ from nw_gear_monitor.datafiles.read import READERS, read
 X = np.sin(np.arange(100.0))
 MOST_MEMORY = 50_000_000
 """Bytes; the files are some kilobytes long."""
-FEW, MANY = 120, 3000
+FEW, MANY = 120, 1500
 
 
 def sound(bits):
