@@ -101,7 +101,10 @@ def encode(baseline: Baseline, identity: Identity) -> str:
         ],
     }
     body["sha256"] = _checksum(body)
-    return json.dumps(body, indent=1, allow_nan=False) + "\n"
+    lines = {key: json.dumps(value, allow_nan=False) for key, value in body.items() if key != "bins"}
+    rows = ",\n".join("  " + json.dumps(entry, allow_nan=False) for entry in body["bins"])
+    lines["bins"] = f"[\n{rows}\n ]" if rows else "[]"
+    return "{\n" + ",\n".join(f" {json.dumps(key)}: {lines[key]}" for key in body) + "\n}\n"
 
 
 def decode(place: str, raw: bytes, identity: Identity) -> Baseline:
