@@ -78,7 +78,9 @@ def _exponent(signal: Signal, x: Array, verdict: Verdict) -> Mapping[str, float]
     if verdict.label in (*names.PERIODS, names.QUASI_PERIODIC, names.TRANSIENT):
         raise InputError("x", "a motion that doesn't repeat and doesn't drift", f"one that is {verdict.label}")
     if verdict.noise_db < LEAST_NOISE_DB:
-        raise InputError("x", "noise 40 dB or more below the signal", f"{verdict.noise_db:.0f} dB")
+        raise InputError(
+            "x", "noise 40 dB or more below the signal", f"{verdict.noise_db:.0f} dB, or too coarse samples"
+        )
     found = _divergence(_points(signal, x))
     if not found.exponential and signal.phase is not None:
         seen = _strobed_points(signal, signal.phase)
