@@ -20,15 +20,6 @@ class Bin(NamedTuple):
     speed: int
     load: int
 
-    @property
-    def text(self) -> str:
-        """For people: limits in the units of the operating point."""
-        low, high = SPEED_RATIO**self.speed, SPEED_RATIO ** (self.speed + 1)
-        words = f"speed {low:.4g} to {high:.4g}"
-        if self.load != NO_LOAD:
-            words += f", load {LOAD_RATIO**self.load:.3g} to {LOAD_RATIO ** (self.load + 1):.3g}"
-        return words
-
 
 def bin_of(speed: float, load: float) -> Bin | None:
     """The bin of a mean speed and load; None at standstill, or where the load is reversed. A load of nan is unknown."""

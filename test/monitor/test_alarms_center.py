@@ -14,7 +14,7 @@ from nw_gear_monitor.alarm_status import Learning, alarm_status, describe, with_
 from nw_gear_monitor.alarms.baseline import Progress
 from nw_gear_monitor.alarms.center import ERROR, OK, WARN, AlarmCenter
 from nw_gear_monitor.alarms.features import BEARING_RULES, LONG, MESH_RULES, SHORT, features, rule_of, unit_of
-from nw_gear_monitor.alarms.operating import NO_LOAD, Bin, Steadiness, bin_of
+from nw_gear_monitor.alarms.operating import NO_LOAD, Steadiness, bin_of
 from nw_gear_monitor.alarms.settings import LOAD_RATIO, SPEED_RATIO, AlarmSettings
 from nw_gear_monitor.indicators import bearing_registry, registry
 from nw_gear_monitor.operating import Operating, operating_point
@@ -293,7 +293,3 @@ def test_the_entry_of_alarms_counts_and_describes_them():
     assert (quiet.level, quiet.message) == (health.OK, "no alarm; no bin has learned enough to judge")
     broken = alarm_status([], dataclasses.replace(LEARNING, trouble="disk full"), paper(), silent=False)
     assert (broken.level, broken.message) == (health.WARN, "disk full; no alarm")
-
-
-def test_a_bin_in_words():
-    assert Bin(0, NO_LOAD).text == "speed 1 to 1.1"
