@@ -1,6 +1,6 @@
 """Chaos indicators beside other packages: runs that part of `nw_gear bench` and puts its table into docs/measured.md.
 
-python -m benchmark.peers       after `make peers`
+python benchmark/peers.py       after `make peers`
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from benchmark.docs_table import write_between
+from docs_table import write_between
 from nw_gear_common.machine import describe
 from nw_gear_monitor import bench_peers
 
