@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from docs_table import write_between
+
 from nw_gear_common.machine import describe
 from nw_gear_monitor import bench_peers
 
