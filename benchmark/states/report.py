@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from typing import Any
 
@@ -84,7 +85,7 @@ def _reliability(cases: dict[str, Rows]) -> str:
         "| confidence | labels | right, % |",
         "|---|---|---|",
     ]
-    for low, high in zip(CONFIDENCES[:-1], CONFIDENCES[1:], strict=True):
+    for low, high in itertools.pairwise(CONFIDENCES):
         own = [row for row in rows if low <= row["confidence"] < high]
         if own:
             mean = np.mean([row["confidence"] for row in own])

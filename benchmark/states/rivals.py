@@ -17,7 +17,7 @@ LONGEST = 16
 
 
 def section(signal: Signal) -> Array:
-    """(strobes, coordinates): one point a period, each coordinate in units of its standard deviation over all samples."""
+    """(strobes, coordinates): one point a period, coordinates in units of their standard deviation over all samples."""
     parts = []
     for channel in (signal.x, signal.v):
         if channel is not None and np.ptp(channel) > 0.0:

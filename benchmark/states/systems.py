@@ -158,7 +158,7 @@ def run(system: str, p: Array, s: Array, first: int, cycles: int, *, keep: bool)
         keep: whether to return the orbit.
 
     Returns:
-        (cycles, values a cycle, 3) x, v and v' (of maps x, y), empty unless kept; (cycles,) growth of the tangent, nats.
+        (cycles, values a cycle, 3) x, v and v' (of maps x, y), empty unless kept; (cycles,) tangent's growth, nats.
     """
     width = 1 if is_map(system) else WAVE
     wave = np.zeros((cycles if keep else 0, width, 3))

@@ -1,15 +1,16 @@
 """The true state of a system, from the noise-free orbit: exact recurrence, largest exponent, rules of exclusion.
 
 Rules, stated before any classifier saw a case:
-  period n        P(k + n) = P(k) within 1e-8 of the orbit's size over the last strobes, n at most 16, exponent below -0.001
-  chaotic         exponent above 0.02 nats a strobe and above five standard errors, over 4000 strobes, in the window as well,
-                  and not yet settled 1000 strobes after it
-  quasi-periodic  autonomous: no recurrence up to 64 strobes and exponent within 0.001 of zero; driven at two incommensurate
-                  frequencies: exponent below -0.02 and an orbit that depends smoothly on the second drive's phase (Pikovsky
-                  and Feudel, Chaos 5 (1995) 253-260), so that strange nonchaotic attractors are left out
+  period n        P(k + n) = P(k) within 1e-8 of the orbit's size over 128 strobes, n at most 16, exponent below -0.001
+  chaotic         exponent above 0.02 nats a strobe and above five standard errors over 4000 strobes, above 0.02 in the
+                  window as well, and not yet settled 1000 strobes after it
+  quasi-periodic  autonomous: no recurrence up to 64 strobes and exponent within 0.001 of zero; driven at two
+                  incommensurate frequencies: exponent below -0.02 and an orbit that depends smoothly on the second
+                  drive's phase (Pikovsky and Feudel, Chaos 5 (1995) 253-260): no strange nonchaotic attractors
   excluded        what meets none of these; a splitting (rms distance from the best divisor's orbit) under 2 % of the
-                  channel's standard deviation; an aperiodic part (rms after the means of any n up to 16) under 10 % of it; a
-                  torus whose beat with a period up to 16 turns less than twice within the window; a map at rest
+                  channel's standard deviation; an aperiodic part (rms after the means of any n up to 16) under 10 % of
+                  it; a torus whose strongest line f has abs(q f - p) N < 2 for some q up to 16, in a window of N
+                  strobes; a map at rest
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ class Truth:
     first: int
 
 
-def truth(system: str, p: Array, start: Array) -> Truth:
+def truth(system: str, p: Array, start: Array) -> Truth:  # noqa: PLR0911  one return a rule
     """Find the true state of a system from a start.
 
     Args:

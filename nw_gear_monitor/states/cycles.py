@@ -171,8 +171,8 @@ def folded(values: Array, phase: Array, period: int, knots: int) -> Array:
     centre = np.bincount(number, place, bins)[kept] / count[kept]
     mean = np.bincount(number, values, bins)[kept] / count[kept]
     far = 4
-    knots = np.concatenate([centre[-far:] - length, centre, centre[:far] + length])
-    spline = make_interp_spline(knots, np.concatenate([mean[-far:], mean, mean[:far]]), k=3)
+    sites = np.concatenate([centre[-far:] - length, centre, centre[:far] + length])
+    spline = make_interp_spline(sites, np.concatenate([mean[-far:], mean, mean[:far]]), k=3)
     return np.asarray(spline(place), dtype=np.float64)
 
 
