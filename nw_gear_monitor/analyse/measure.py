@@ -79,16 +79,14 @@ def measure(signal: Signal, options: Options) -> Result:
 def _measured(signal: Signal, options: Options) -> Result:
     exponent = int(np.frexp(np.max(np.abs(signal.x)))[1])
     unit = replace(signal, x=np.ldexp(signal.x, -exponent), v=_unit(signal.v))
+    impulsive = None if signal.rate is None else _impulsive(unit.x, signal.rate)
+    envelope, shaft = _envelope(signal, options, impulsive), tuple[lines.Line, ...]()
+    if signal.rate is not None and options.shaft_rate is not None:
+        shaft = lines.shaft_lines(signal.x, signal.rate, options.shaft_rate)
     verdict = _verdict(unit)
     findings = Findings()
     _shape(unit.x, exponent, findings)
     chaos(unit, verdict, findings)
-    impulsive = None if signal.rate is None else _impulsive(unit.x, signal.rate)
-    envelope, shaft = None, tuple[lines.Line, ...]()
-    if signal.rate is not None:
-        envelope = _envelope(signal, options, impulsive)
-        if options.shaft_rate is not None:
-            shaft = lines.shaft_lines(signal.x, signal.rate, options.shaft_rate)
     return Result(signal, verdict, findings, impulsive, envelope, shaft)
 
 
