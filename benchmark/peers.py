@@ -49,7 +49,7 @@ def _table(indicators: Mapping[str, Mapping[str, Any]], versions: Mapping[str, s
         goal = "" if task.goal_ms is None else f" ({task.goal_ms:g})"
         peers: Mapping[str, Mapping[str, Any]] = entry["peers"] or {"": {}}
         for number, (peer, theirs) in enumerate(peers.items()):
-            first = [f"`{name}`", str(entry["samples"]), f"{entry['milliseconds']:.3g} ms{goal}"]
+            first = [f"`{name}`", str(entry["samples"]), f"{_short(entry['milliseconds'])} ms{goal}"]
             own = first if number == 0 else ["", "", ""]
             lines.append(
                 "| " + " | ".join([*own, *_peer(peer, theirs, versions, (task.goal_ratio or {}).get(peer))]) + " |"
@@ -65,10 +65,15 @@ def _peer(name: str, theirs: Mapping[str, Any], versions: Mapping[str, str], goa
     title = f"{name} {versions.get(name, '')}".strip()
     return [
         title,
-        f"{theirs['milliseconds']:.3g} ms",
-        f"{theirs['ratio']:.3g}{wanted}",
+        f"{_short(theirs['milliseconds'])} ms",
+        f"{_short(theirs['ratio'])}{wanted}",
         "" if same is None else f"{same:.0e}",
     ]
+
+
+def _short(number: float) -> str:
+    """Three digits, never as a power of ten."""
+    return f"{float(f'{number:.3g}'):.10g}"
 
 
 if __name__ == "__main__":
