@@ -112,6 +112,8 @@ def _values(e: Evidence, unit: str) -> dict[str, str]:
     return {
         "window (s)": str(e.seconds),
         "rho (1)": f"{e.rho:.4g}",
+        "white noise in rho (1)": f"{e.noise:.4g}",
+        "r after a common period (1)": f"{e.repetition:.4g}",
         "tau (1)": f"{e.tau:.4g}",
         "K (1)": f"{e.k:.4g}",
         "subharmonic": found,

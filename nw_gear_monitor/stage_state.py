@@ -26,6 +26,18 @@ Measured on the simulated gearbox: a regular one reached rho = 0.08 in stage II 
 across a weakly damped mode, and stayed under 0.03 up to 4 % a second (Weibull wind); a rattling one kept 0.27 at 3.5 %
 a second. A small residual needs no such limit: it proves itself.
 """
+LOAD_LIMIT = 1.5
+"""Spread of load in the window, over its mean, above which the same holds.
+
+Measured in a shutdown within 10 s: rho of stage II is under 0.01 up to a spread of 0.8 and 0.13 to 0.45 from 1.9 on,
+where the load goes to zero and the teeth part once; a rattling gearbox keeps its label at 0.6.
+"""
+FORGETS = 0.05
+"""r above which a motion doesn't repeat: regular ones at constant speed keep to 0.02, chaotic ones exceed 0.1."""
+REPEATS_NOT = 0.10
+"""r above which a motion isn't called regular though lines explain it, where speed and load are steady."""
+STEADY_SPEED, STEADY_LOAD = 0.005, 0.05
+"""Spreads up to which amplitudes stay as they are, so that r tells of repetition alone."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +47,8 @@ class Evidence:
     Attributes:
         seconds: length of the window, s.
         rho: residual over total variance after the lines.
+        noise: share of white noise in the variance (`indicators.noise_floor`), which is part of rho.
+        repetition: r (`indicators.repetition`), NaN where the window doesn't reach back far enough.
         tau, k: tonal share of the residual, and 0-1 test of its strobes; NaN where rho is too small for them to mean
             anything.
         subharmonic_stage, subharmonic_order: the accepted f_s / n; "" and 1 for none.
@@ -49,6 +63,8 @@ class Evidence:
 
     seconds: int
     rho: float
+    noise: float
+    repetition: float
     tau: float
     k: float
     subharmonic_stage: str
@@ -61,6 +77,21 @@ class Evidence:
     speed_rate: float
     load_spread: float
     lines: int
+
+    @property
+    def irregular(self) -> float:
+        """Share of the variance outside known lines that isn't white noise."""
+        return max(self.rho - self.noise, 0.0)
+
+    @property
+    def remembered(self) -> float:
+        """What of r isn't white noise."""
+        return max(self.repetition - self.noise, 0.0) if math.isfinite(self.repetition) else math.nan
+
+    @property
+    def steady(self) -> bool:
+        """Whether speed and load are constant."""
+        return self.speed_spread < STEADY_SPEED and self.load_spread < STEADY_LOAD
 
 
 @dataclass(frozen=True)
@@ -76,23 +107,38 @@ def judge(stage: str, evidence: Evidence) -> State:
     e = evidence
     if not math.isfinite(e.rho) or e.deviation < max(LEAST_DEVIATION, LEAST_RELATIVE_DEVIATION * e.level):
         return State(names.UNKNOWN, "no vibration")
-    if e.rho < REGULAR_RHO:
-        return _periodic(stage, e)
+    if e.rho > NO_LINES_RHO and not e.tau > TONAL:
+        return State(names.UNKNOWN, f"no mesh lines: {_share(e)}")
+    if e.irregular < REGULAR_RHO:
+        return _regular(stage, e)
     if e.speed_spread > SPREAD_LIMIT or e.speed_rate > RATE_LIMIT:
         change = f"{100 * e.speed_spread:.0f} % within {e.seconds} s, up to {100 * e.speed_rate:.1f} % a second"
         return State(names.TRANSIENT, f"speed changed by {change}, too much to judge the residual")
+    if e.load_spread > LOAD_LIMIT:
+        change = f"{100 * e.load_spread:.0f} % of its mean within {e.seconds} s"
+        return State(names.TRANSIENT, f"load changed by {change}, too much to judge the residual")
     return _irregular(e)
 
 
+def _share(e: Evidence) -> str:
+    return f"{100 * e.rho:.0f} % of the variance outside known lines"
+
+
 def _irregular(e: Evidence) -> State:
-    share = f"{100 * e.rho:.0f} % of the variance outside known lines"
+    share = _share(e)
     if e.tau > TONAL:
         return State(names.QUASI_PERIODIC, f"{share}, most of it in lines; strongest at order {e.unlisted_order:.4g}")
-    if e.rho > NO_LINES_RHO:
-        return State(names.UNKNOWN, f"no mesh lines: {share}")
-    if e.rho > CHAOTIC_RHO and e.k > CHAOTIC_K:
+    if e.irregular > CHAOTIC_RHO and e.k > CHAOTIC_K:
+        if e.remembered < FORGETS:
+            return State(names.UNKNOWN, f"undecided: {share}, but the motion repeats (r = {e.repetition:.2g})")
         return State(names.CHAOTIC, f"irregular: {share}, broadband")
     return State(names.UNKNOWN, f"undecided: {share}")
+
+
+def _regular(stage: str, e: Evidence) -> State:
+    if e.steady and e.subharmonic_order != 3 and e.remembered > REPEATS_NOT:  # a third doesn't repeat after 200 cycles
+        return State(names.UNKNOWN, f"undecided: lines explain it, but it doesn't repeat (r = {e.repetition:.2g})")
+    return _periodic(stage, e)
 
 
 def _periodic(stage: str, e: Evidence) -> State:

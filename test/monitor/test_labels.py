@@ -91,6 +91,17 @@ def test_noise_on_a_periodic_signal_is_never_chaos(noise, extra):
     assert labels(hops[-1])["II"] == ("period-2" if extra else "period-1")
 
 
+def test_white_noise_as_strong_as_the_vibration_is_told_from_chaos():
+    hops, _ = run(waveform(SECONDS, noise=1.0, seed=3))
+    assert labels(hops[-1]) == dict.fromkeys(names.STAGES, "period-1")
+    assert hops[-1].stages["I"].evidence.noise == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_drifting_level_is_no_chaos():
+    hops, _ = run(waveform(SECONDS, load=lambda time: 1.0 + 0.1 * time, noise=0.01))
+    assert labels(hops[-1]) == dict.fromkeys(names.STAGES, "period-1")
+
+
 def test_a_foreign_line_is_named_by_its_order():
     hops, _ = run(waveform(SECONDS, extra={"II": foreign_line}))
     assert hops[-1].stages["II"].evidence.unlisted_order == pytest.approx(1.2361, abs=1e-3)
