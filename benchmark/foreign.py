@@ -48,9 +48,8 @@ def label(omega: float, noise: float) -> str:
 def row(omega: float) -> dict[str, float | str]:
     """One line of the table."""
     state, exponent = truth(omega)
-    return {"omega": omega, "truth": state, "exponent": round(exponent, 3)} | {
-        name: label(omega, noise) for name, noise in NOISE.items()
-    }
+    found: dict[str, float | str] = {"omega": omega, "truth": state, "exponent": round(exponent, 3)}
+    return found | {name: label(omega, noise) for name, noise in NOISE.items()}
 
 
 def publish(rows: list[dict[str, float | str]]) -> None:

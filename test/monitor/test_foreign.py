@@ -7,7 +7,9 @@ import pytest
 
 from nw_gear_common import cli, names, share
 from nw_gear_common.errors import InputError
+from nw_gear_monitor.datafiles.read import read as read_file
 from nw_gear_monitor.foreign.phases import pulses, unwrapped
+from nw_gear_monitor.foreign.waveform import Options, waveform
 from nw_gear_monitor.machinefile.read import load
 from nw_gear_monitor.pipeline import Pipeline
 from nw_gear_monitor.records.reader import Recording
@@ -130,6 +132,17 @@ def test_differences_have_the_error_of_their_order():
     assert error[4:-4].max() == pytest.approx((w / rate) ** 8 / 630.0, rel=0.2)
     ends = np.abs(np.cos(w * time[1:4])) * (w / rate) ** 2 / 6.0
     assert error[1:4] == pytest.approx(ends, rel=0.05)
+
+
+def test_an_array_without_names_is_imported_by_the_numbers_of_its_channels(tmp_path, machine):
+    time, x, angle = foreign.pair(foreign.OMEGA["period-1"], 2.0)
+    np.save(tmp_path / "bench.npy", np.column_stack([np.degrees(angle) % 360.0, x, -x]).astype(np.float32))
+    columns = {"phase_pinion": "ch1", "x_mesh": "ch2", "a_front": "ch3"}
+    found = waveform(read_file(tmp_path / "bench.npy"), machine, Options(columns, rate=foreign.RATE, angle="deg"))
+    assert found.table.columns == ("time", "phase_pinion", "x_mesh", "a_front")
+    assert found.table.column("time") == pytest.approx(time)
+    assert found.table.column("phase_pinion") == pytest.approx(angle, abs=1e-6)  # single precision
+    assert found.table.column("a_front") == pytest.approx(-x, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as ForeignWriter
 from rosbags.typesys import Stores, get_typestore
@@ -17,9 +17,9 @@ from std_msgs.msg import Float64MultiArray
 
 from nw_gear_common import cli
 from nw_gear_common.errors import InputError
-from nw_gear_common.ros import to_message
+from nw_gear_common.ros import from_message, to_message
 from nw_gear_common.tables import Table
-from nw_gear_monitor.records.cdr import to_table
+from nw_gear_monitor.records.cdr import from_table, to_table
 from nw_gear_monitor.records.reader import Recording
 from test.monitor.recordings import START, Message, mixed, table, write
 
@@ -246,3 +246,14 @@ def test_info_refuses_in_one_line(tmp_path, capsys, make):
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("row", ["sample", "a", ""])
+def test_tables_are_serialised_as_ros_does_it(row):
+    data = np.random.default_rng(2).normal(size=(7, 3))
+    for columns in (("a", "b", "c"), ("time", "x_mesh", "long_name_of_a_column")):
+        one = Table(row, columns, data)
+        assert from_table(one) == serialize_message(to_message(one))
+        back = from_message(deserialize_message(from_table(one), Float64MultiArray), "here")
+        assert (back.row, back.columns) == (row, columns)
+        assert np.array_equal(back.data, data)
