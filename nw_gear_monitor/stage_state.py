@@ -126,11 +126,12 @@ def _share(e: Evidence) -> str:
 
 def _irregular(e: Evidence) -> State:
     share = _share(e)
+    broadband = e.irregular > CHAOTIC_RHO and e.k > CHAOTIC_K
+    if e.remembered < FORGETS and (e.tau > TONAL or broadband):
+        return State(names.UNKNOWN, f"undecided: {share}, but the motion repeats (r = {e.repetition:.2g})")
     if e.tau > TONAL:
         return State(names.QUASI_PERIODIC, f"{share}, most of it in lines; strongest at order {e.unlisted_order:.4g}")
-    if e.irregular > CHAOTIC_RHO and e.k > CHAOTIC_K:
-        if e.remembered < FORGETS:
-            return State(names.UNKNOWN, f"undecided: {share}, but the motion repeats (r = {e.repetition:.2g})")
+    if broadband:
         return State(names.CHAOTIC, f"irregular: {share}, broadband")
     return State(names.UNKNOWN, f"undecided: {share}")
 
