@@ -14,6 +14,7 @@ from nw_gear_monitor.indicators.window import LineResult, Memory, MeshWindow, Tu
 from nw_gear_monitor.machine import AXES, Bearing, Machine
 from nw_gear_monitor.signals.cycles import whole_cycles
 from nw_gear_monitor.signals.history import History
+from nw_gear_monitor.signals.resample import LARGEST_SPEED_RATIO
 
 TURN = 2.0 * np.pi
 HOLD = 4
@@ -187,11 +188,17 @@ def _turns_of(
     if not members:
         return {}
     data = _latest(history, (f"phase_{stage}", *(f"{a}_{name}" for a in ("x", "v") for name in members)), seconds)
-    if not _grows(data[:, 0]):
+    if not _grows(data[:, 0]) or not _even(data[:, 0]):
         return {}
     x, v = data[:, 1 : 1 + len(members)], data[:, 1 + len(members) :]
     cycles = whole_cycles(data[:, 0], x, v, 1.0 / history.newest.rate)
     return {name: TurnsWindow(cycles[i], teeth) for i, name in enumerate(members)}
+
+
+def _even(phase: Array) -> bool:
+    """Whether the slowest speed is near enough to the mean for one number of points per turn (not while starting)."""
+    steps = np.diff(phase)
+    return bool(steps.mean() < LARGEST_SPEED_RATIO * steps.min())
 
 
 def columns_of(bearing: Bearing) -> tuple[str, ...]:

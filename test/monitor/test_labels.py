@@ -213,6 +213,14 @@ def test_a_label_changes_after_three_windows_in_a_row_only():
     assert shown == [names.UNKNOWN] * 2 + ["a"] * 5 + ["b"] * 3 + [names.UNKNOWN] * 2
 
 
+def test_a_gearbox_that_starts_from_rest_is_watched_and_no_chaos():
+    """Just after the start a cycle takes as long as one likes, which must not become as many points."""
+    hops, pipeline = run(waveform(SECONDS, speed=lambda time: 0.02 * np.maximum(time - 1.5, 0.0) ** 2, noise=0.01))
+    assert len(hops) == SECONDS
+    assert pipeline.continuity.restarts == 0
+    assert names.CHAOTIC not in {label for hop in hops for label in labels(hop).values()}
+
+
 def test_a_gearbox_that_comes_to_rest_is_transient_or_unknown():
     """Its lines end up so slow that nothing but rounding of them is left beside the trend."""
 
