@@ -4,9 +4,9 @@
     python benchmark/stages.py --table    the tables in docs/indicators.md, from the last results
 
 Truth is the largest exponent by a twin trajectory over the record itself, and the subharmonic lines of the record
-without noise. Classes are fixed beforehand: strongly chaotic above STRONG with three standard errors to 0, weakly chaotic
-or undecided from there to three standard errors below 0, regular under that. The label of a record is the one that its
-stage shows in most seconds once the window is full.
+without noise. Classes are fixed beforehand: strongly chaotic above STRONG with three standard errors to 0, weakly
+chaotic or undecided from there to three standard errors below 0, regular under that. The label of a record is the one
+that its stage shows in most seconds once the window is full.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ PAGE = HERE.parent / "docs" / "indicators.md"
 STRONG = 8.0
 """1/s; the largest exponent of rattling is about 20."""
 NOISE = (None, 60.0, 40.0, 30.0, 20.0)
-SETTLING, SECONDS, WINDOW = 12.0, 26, 16
+SETTLING, SECONDS, WINDOW = 10.0, 22, 16
 TICK = 0.2
 SUBHARMONIC = 0.15
 """A stage has period n where lines at odd multiples of f/n hold this share of the rms of its vibration."""
-BEARINGS = [names.BEARINGS.index(bearing) for bearing in names.WAVEFORM_BEARINGS]
+COLUMNS = names.waveform_columns(())
 RPM = np.pi / 30.0
 
 
@@ -133,7 +133,7 @@ def truths(rate: float, error: float, data: Array, configuration: Configuration)
 
 def _period(stage: str, data: Array) -> int:
     """Return 4, 2 or 1 by the lines at odd multiples of f/4 and f/2 over the stage's own mesh phase."""
-    columns = names.waveform_columns()
+    columns = COLUMNS
     phase = data[:, columns.index(f"phase_{stage}")]
     x = data[:, columns.index(f"x_{names.MESHES_OF_STAGE[stage][0]}")]
     grid = np.arange(phase[0], phase[-1], 2.0 * np.pi / 32.0)
@@ -172,8 +172,7 @@ def _prepare(case: Case, configuration: Configuration) -> tuple[Simulation, list
 def _waveform(blocks: Sequence[Block]) -> Array:
     rows = []
     for block in blocks:
-        forces = block.bearing_force[:, BEARINGS, :2].reshape(len(block.time), -1)
-        rows.append(np.column_stack([block.time, block.phase, block.x, block.v, forces]))
+        rows.append(np.column_stack([block.time, block.phase, block.x, block.v]))
     return np.concatenate(rows)
 
 
@@ -194,7 +193,7 @@ def _labels(configuration: Configuration, data: Array) -> dict[str, str]:
     rows = 1024
     begin = data[0, 0]
     for k in range(0, len(data), rows):
-        for hop in pipeline.feed(Table(names.ROW_SAMPLE, names.waveform_columns(), data[k : k + rows])):
+        for hop in pipeline.feed(Table(names.ROW_SAMPLE, COLUMNS, data[k : k + rows])):
             if hop.time >= begin + WINDOW + 2:
                 for stage, report in hop.stages.items():
                     seen[stage][report.state.label] += 1
