@@ -7,7 +7,7 @@ import numpy as np
 from nw_gear_common.tables import Array
 
 DEGREE = 3
-LEAST_SHARE = 0.15
+LEAST_SHARE = 0.03
 """Of the rest's variance, below which a trend isn't taken out."""
 
 
