@@ -18,7 +18,8 @@ EXECUTABLES = {
     "gear_monitor_node": "spectra, Poincaré sections, indicators, states and alarms, online",
     "recorder_node": "records topics to a rosbag2 folder with MCAP storage",
     "replay_node": "publishes a recording again, with `/clock`",
-    "nw_gear": "the command line: `demo`, `review`, `equilibrium`, `modes`, `bench`, `info`, `import`, `recover`",
+    "nw_gear": "the command line: `demo`, `review`, `analyse`, `study`, `equilibrium`, `modes`, `bench`, `info`, "
+    "`import`, `recover`",
 }
 
 
