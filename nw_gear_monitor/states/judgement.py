@@ -53,7 +53,7 @@ class Verdict:
 
     Attributes:
         label: one of names.STATES.
-        confidence: probability that the label is right, from 0 to 1, as calibrated on the benchmark.
+        confidence: least share of such labels that was right on the benchmark, from 0 to 1.
         period: recurrence period in strobes, None where there is none.
         noise_db: estimated 20 log10(standard deviation of the signal / that of its noise); infinite without noise, NaN
             where it isn't known.
