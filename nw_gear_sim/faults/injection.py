@@ -16,7 +16,7 @@ from nw_gear_sim.assembly import SENSE
 from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.faults.ramps import Ramps
 from nw_gear_sim.gearbox import Gearbox
-from nw_gear_sim.kinematics import PLANETS, SHAFT_OF_BEARING, bearing_kind
+from nw_gear_sim.kinematics import PLANETS, SHAFT_OF_BEARING, Kinematics, bearing_kind
 from nw_gear_sim.params.faults import PLACES, SEVERITIES, FaultSettings
 
 WORDS = {
@@ -55,13 +55,7 @@ class Injection:
         Raises:
             InputError: the gear has no such tooth.
         """
-        for kind, gear, tooth in (
-            ("crack", settings.fault_crack_gear, settings.fault_crack_tooth),
-            ("pitch", settings.fault_pitch_gear, settings.fault_pitch_tooth),
-        ):
-            teeth = self._teeth(gear)
-            if tooth >= teeth:
-                raise InputError(f"fault_{kind}_tooth", f"0 to {teeth - 1} on the {gear}", str(tooth))
+        check_faults(settings, self._gearbox.kinematics)
         self._ramps.change(settings, time)
         self._write(self._ramps.at(time))
 
@@ -105,6 +99,9 @@ class Injection:
         self._write(self._ramps.at(time))
 
     def _write(self, severities: Mapping[str, float]) -> None:
+        if severities["fault_race_depth"] > 0.0 and self._resting is None:
+            self._write(dict.fromkeys(severities, 0.0))  # the place of a defect mustn't depend on what else is there
+            self._resting = self._at_rest()
         self._shown = dict(severities)
         self._write_teeth(severities)
         self._write_wear(severities)
@@ -126,7 +123,7 @@ class Injection:
                 for cleared in (law.loss, law.error, law.runout):
                     cleared[row] = 0.0
                 law.mesh[row] = names.MESHES.index(mesh)
-                law.teeth[row] = self._teeth(gear)
+                law.teeth[row] = _teeth(gear, self._gearbox.kinematics)
                 law.tooth[row] = tooth - offset
                 law.fade[row] = max(pair.contact_ratio + pair.overlap_ratio - 1.0, 0.05)
                 column[row] = severities[name]
@@ -158,20 +155,18 @@ class Injection:
         marks.width[0], marks.depth[0] = asked.fault_race_width, severities["fault_race_depth"]
 
     def _loaded(self, bearing: int) -> float:
-        """Direction of the force on a housing at rest under the load of the configuration, rad."""
-        if self._resting is None:
-            gearbox, kinematics = self._gearbox, self._gearbox.kinematics
-            q = find_equilibrium(gearbox, kinematics.input_torque, speed=kinematics.ring_speed).q
-            gearbox.set_instant(kinematics.input_torque, kinematics.ring_speed)
-            gearbox.forces(q, np.zeros_like(q))
-            self._resting = gearbox.housing.copy()
+        """Direction of the force on a housing of the sound gearbox at rest, rad."""
+        assert self._resting is not None, "_write comes first"
         x, y = self._resting[bearing, :2]
         return math.atan2(y, x)
 
-    def _teeth(self, gear: str) -> int:
-        stage, driver = _place(gear)
-        pair = self._gearbox.kinematics.stage(stage).pair
-        return pair.driver.teeth if driver else pair.driven.teeth
+    def _at_rest(self) -> Array:
+        """Forces on the housings under the load of the configuration by the laws as they are, N, (bearings, 3)."""
+        gearbox, kinematics = self._gearbox, self._gearbox.kinematics
+        q = find_equilibrium(gearbox, kinematics.input_torque, speed=kinematics.ring_speed).q
+        gearbox.set_instant(kinematics.input_torque, kinematics.ring_speed)
+        gearbox.forces(q, np.zeros_like(q))
+        return gearbox.housing.copy()
 
     def _meshes(self, gear: str) -> list[tuple[str, float]]:
         """Return the meshes of a gear, with what its tooth numbers there are less than at planet 1.
@@ -183,9 +178,30 @@ class Injection:
         if gear in ("wheel", "pinion"):
             return [("III", 0.0)]
         if gear in ("ring", "sun"):
-            turns = self._teeth(gear) * (-1 if driver else 1)
+            turns = _teeth(gear, self._gearbox.kinematics) * (-1 if driver else 1)
             return [(f"{stage}_{j + 1}", float(turns * j // PLANETS)) for j in range(PLANETS)]
         return [(f"{stage}_{gear[-1]}", 0.0)]
+
+
+def check_faults(settings: FaultSettings, kinematics: Kinematics) -> None:
+    """Refuse faults that a gearbox can't have.
+
+    Raises:
+        InputError: the gear has no such tooth.
+    """
+    for kind, gear, tooth in (
+        ("crack", settings.fault_crack_gear, settings.fault_crack_tooth),
+        ("pitch", settings.fault_pitch_gear, settings.fault_pitch_tooth),
+    ):
+        teeth = _teeth(gear, kinematics)
+        if tooth >= teeth:
+            raise InputError(f"fault_{kind}_tooth", f"0 to {teeth - 1} on the {gear}", str(tooth))
+
+
+def _teeth(gear: str, kinematics: Kinematics) -> int:
+    stage, driver = _place(gear)
+    pair = kinematics.stage(stage).pair
+    return pair.driver.teeth if driver else pair.driven.teeth
 
 
 def _place(gear: str) -> tuple[str, bool]:

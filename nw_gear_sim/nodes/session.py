@@ -11,6 +11,8 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_sim.drives import Inputs, Source
+from nw_gear_sim.faults.injection import check_faults
+from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.params.faults import FaultSettings
 from nw_gear_sim.readings import Block, joined, thinned
@@ -73,6 +75,7 @@ class Session:
         self._excitation, self._start, self._sample_rate = excitation, start, sample_rate
         self._simulation: Simulation | None = None
         self._inputs: Inputs = {}
+        self._kinematics = derive(configuration)
         self.faults = FaultSettings()
         self._open = np.zeros(len(names.MESHES))
         self._back = np.zeros(len(names.MESHES))
@@ -118,6 +121,7 @@ class Session:
         Raises:
             InputError: a gear hasn't so many teeth; nothing is changed.
         """
+        check_faults(faults, self._kinematics)
         if self._simulation is not None:
             self._simulation.inject(faults)
         self.faults = faults

@@ -9,12 +9,16 @@ import pytest
 from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_sim import config
+from nw_gear_sim.drives import FixedPoint
+from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.faults.injection import Injection
 from nw_gear_sim.faults.ramps import Ramps
 from nw_gear_sim.gearbox import Gearbox
+from nw_gear_sim.nodes.session import Session
 from nw_gear_sim.params.faults import FaultSettings
 from nw_gear_sim.physics.drive import Drive
 from nw_gear_sim.physics.tooth import share, share_slope
+from nw_gear_sim.reference.faults import peak_phase
 from nw_gear_sim.reference.model import Instant, ReferenceModel
 from nw_gear_sim.reference.states import random_state
 from nw_gear_sim.simulation import Simulation
@@ -86,9 +90,9 @@ def test_a_cracked_tooth_is_felt_once_a_turn_in_each_mesh_of_its_gear(gear, mesh
 
 def test_a_tooth_of_the_ring_goes_from_planet_to_planet():
     """It enters each of the three meshes a third of a turn of the ring after the one before."""
-    faulty, sound = excitation({"fault_pitch": 1e-5, "fault_pitch_gear": "ring", "fault_pitch_tooth": 20}, 1.0, 9100)
+    faulty, sound = excitation({"fault_pitch": 1e-5, "fault_pitch_gear": "ring", "fault_pitch_tooth": 20}, 1.0, 2730)
     error = (faulty - sound)[:, :3, 1]
-    centre = [np.angle(np.sum(error[:, j] * np.exp(2j * np.pi * np.arange(9100) / 9100))) for j in range(3)]
+    centre = [np.angle(np.sum(error[:, j] * np.exp(2j * np.pi * np.arange(2730) / 2730))) for j in range(3)]
     steps = np.diff(centre) / (2 * np.pi) % 1.0
     assert steps == pytest.approx(1.0 / 3.0, abs=1e-6)
 
@@ -190,7 +194,47 @@ def test_the_ring_in_modes_feels_faults_as_the_whole_ring_does(integrator):
     assert np.all(off < 0.25 * np.maximum(changed, 1e-7))
 
 
+def test_every_other_fault_in_modes_too():
+    """Pitch error, eccentricity, wear and clearance of stage III, which the first hundredths of a second feel."""
+    faults = FaultSettings(
+        fault_pitch=1e-4, fault_pitch_gear="pinion", fault_pitch_tooth=1, fault_eccentricity=2e-4,
+        fault_eccentric_gear="pinion", fault_wear=2e-5, fault_wear_stiffness=0.2, fault_wear_stage="III",
+        fault_clearance=1e-5, fault_clearance_bearing="b21",
+    )  # fmt: skip
+    courses = {}
+    for name, integrator, put in (
+        ("whole", "rk4", faults), ("modes", "gautschi", faults), ("sound", "gautschi", FaultSettings())
+    ):  # fmt: skip
+        simulation = Simulation(config.with_values({"numerics.integrator": integrator}, CONFIGURATION), DRIVE)
+        simulation.inject(put)
+        courses[name] = simulation.advance(256, DRIVE).x[128:, 6]  # the jump itself excites what the modes leave out
+    changed = np.std(courses["whole"] - courses["sound"])
+    assert changed > 1e-6
+    assert np.std(courses["modes"] - courses["whole"]) < 0.1 * changed
+
+
 # --- what they do to the gearbox --------------------------------------------------------------------------------------
+
+
+def test_a_cracked_tooth_bends_by_the_force_over_what_stiffness_is_left():
+    """At rest the torque gives the force of the mesh of stage III; the deflection is that over K (1 - s w)."""
+    stage = Gearbox(CONFIGURATION).kinematics.stage("III")
+    engaged = stage.pair.contact_ratio + stage.pair.overlap_ratio
+    entered = 0.5 * engaged
+    start = math.remainder(peak_phase(stage), 2 * math.pi)
+    angle, torque, severity = (2 * math.pi * entered - start) / stage.mesh_ratio, 4.3e6, 0.6
+    bent = {}
+    for s in (0.0, severity):
+        gearbox = Gearbox(CONFIGURATION)
+        Injection(gearbox).change(FaultSettings(fault_crack=s, fault_crack_gear="pinion"), 0.0)
+        q = find_equilibrium(gearbox, torque, angle=angle).q
+        gearbox.set_instant(torque, 0.0, angle, static=True)
+        gearbox.forces(q, np.zeros_like(q))
+        bent[s] = gearbox.contact.x[6] - gearbox.laws.mesh.backlash[6], gearbox.contact.elastic[6]
+    carried = share(entered, engaged - 1)
+    assert 0.2 < carried < 1.0
+    assert bent[severity][1] == pytest.approx(bent[0.0][1], rel=1e-6)
+    assert bent[severity][0] == pytest.approx(bent[0.0][0] / (1 - severity * carried), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -258,6 +302,34 @@ def test_a_checkpoint_on_a_ramp_goes_on_bit_for_bit():
     assert float(later.truth()["fault cracked tooth: crack (1)"]) == pytest.approx(0.05, abs=1e-9)
     simulation.advance(64, DRIVE)
     assert math.isclose(float(simulation.truth()["fault cracked tooth: crack (1)"]), 0.5 * 576 / 5120, rel_tol=1e-6)
+
+
+def test_the_place_of_a_defect_does_not_depend_on_other_faults():
+    """A resumed run meets other severities on their ramps; the laws have to become the same to the bit."""
+    alone, first, resumed = Gearbox(CONFIGURATION), Gearbox(CONFIGURATION), Gearbox(CONFIGURATION)
+    race = {"fault_race_depth": 1e-5, "fault_race_bearing": "sb"}
+    other = {"fault_clearance": 2e-4, "fault_clearance_bearing": "sb", "fault_eccentricity": 2e-4}
+    Injection(alone).change(FaultSettings(**race), 0.0)
+    injection = Injection(first)
+    injection.change(FaultSettings(**race, **other, fault_ramp=10.0), 0.0)
+    for time in (0.0125, 5.0):
+        injection.apply(time)
+    Injection(resumed).restore(injection.state(), 5.0)
+    assert first.laws.bearings.marks.angle[0] == alone.laws.bearings.marks.angle[0]
+    for law in ("teeth", "bearings", "mesh"):
+        for a, b in zip(getattr(first.laws, law), getattr(resumed.laws, law), strict=True):
+            same = [np.array_equal(c, d) for c, d in zip(a, b, strict=True)] if isinstance(a, tuple) else [True]
+            assert all(same)
+            assert isinstance(a, tuple) or np.array_equal(a, b)
+
+
+def test_a_session_refuses_at_once_and_keeps_what_it_had():
+    """Before it begins too: a live parameter must not end a node later, when the wind is there."""
+    session = Session(CONFIGURATION, FixedPoint(CONFIGURATION), "kinematic", "equilibrium", 5120.0)
+    session.inject(FaultSettings(fault_crack=0.2))
+    with pytest.raises(InputError, match="fault_crack_tooth: expected 0 to 39 on the sun, got 40"):
+        session.inject(FaultSettings(fault_crack=0.2, fault_crack_tooth=40))
+    assert session.faults == FaultSettings(fault_crack=0.2)
 
 
 def test_a_tooth_that_is_not_there():
