@@ -109,6 +109,7 @@ def test_period_four_is_found_in_stage_two():
     simulation.advance(4 * 5120, drive)
     hops = watch(configuration, simulation, [drive] * 300)
     assert shown(hops[-5:], "II") == {"period-4"}
+    assert names.QUASI_PERIODIC not in shown(hops, "II")  # while it settles
     assert growth(simulation, drive, 2.0) < 0
     differences = change_over_periods(simulation.advance(5120, drive), (1, 2, 4))
     assert differences[2] < 0.5 * differences[1]
@@ -141,6 +142,17 @@ def test_rattling_stays_chaotic_while_speed_and_load_change():
     drives = [Drive(a[0], b[0], a[1], b[1]) for a, b in itertools.pairwise(ends)]
     hops = watch(configuration, simulation, drives)
     assert shown(hops[9:], "II") == {names.CHAOTIC}
+
+
+@pytest.mark.parametrize("scenario", ["shutdown", "emergency_stop", "grid_loss"])
+def test_a_load_that_goes_to_zero_is_transient_and_no_chaos(scenario):
+    configuration = config.load()
+    train = DriveTrain(configuration.turbine, configuration.drivetrain, scenario, 10.0, 12.0)
+    simulation = Simulation(configuration, train.drive)
+    hops = watch(configuration, simulation, (train.advance(12.0, 0.1) for _ in range(250)))
+    assert not any(names.CHAOTIC in shown(hops, stage) for stage in names.STAGES)
+    assert names.TRANSIENT in shown(hops, "II")
+    assert shown([hop for hop in hops if 10.0 <= hop.time <= 11.0], "II") == {names.PERIODS[0]}
 
 
 @pytest.mark.parametrize("scenario", ["shutdown", "emergency_stop", "grid_loss"])
