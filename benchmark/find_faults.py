@@ -4,8 +4,8 @@
     python benchmark/find_faults.py --table     the table in docs/indicators.md, from what was found last
 
 Baselines are learned in wind of some seeds. Ten healthy minutes of other seeds have to stay without alarms. Then each
-fault is put in at once, in wind of one more seed, and the severity is halved from the largest one on to find the
-smallest that raises an alarm within a minute. What was found goes to results/find_faults.json.
+fault is put in at once, in wind of one more seed, and the smallest of several severities, each a third of the one
+before, is looked for that raises an alarm within a minute. What was found goes to results/find_faults.json.
 """
 
 from __future__ import annotations
@@ -19,9 +19,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from detection.cases import CONDITIONS, FAULTS, HEALTHY_SEEDS, LEARNING_SECONDS, LEARNING_SEEDS, Fault
-from detection.runs import AlarmCenter, Finding, faulty, healthy, learn
+from detection.cases import CONDITIONS, FACTOR, FAULTS, HEALTHY_SEEDS, LEARNING_SECONDS, LEARNING_SEEDS, Fault
+from detection.runs import Finding, faulty, healthy, learn
 from docs_table import write_between
+
+from nw_gear_monitor.alarms.center import AlarmCenter
 
 HERE = Path(__file__).resolve().parent
 RESULT = HERE / "results" / "find_faults.json"
@@ -45,7 +47,7 @@ def study(condition: str) -> dict[str, Any]:
 
 
 def search(center: AlarmCenter, condition: str, fault: Fault) -> dict[str, Any]:
-    """Halve the severity between one that is found and one that isn't.
+    """Look for the smallest severity that is found, between one that is and one that isn't.
 
     Returns:
         `severity`: the smallest found, None where the largest isn't; `tried`: severity -> what the alarms said.
@@ -53,15 +55,15 @@ def search(center: AlarmCenter, condition: str, fault: Fault) -> dict[str, Any]:
     tried: dict[float, Finding] = {}
 
     def finds(level: int) -> bool:
-        severity = fault.largest / 2**level
+        severity = fault.largest / FACTOR**level
         tried[severity] = faulty(center, condition, fault, severity)
         return tried[severity].warn is not None
 
-    low, high = -1, fault.halvings + 1  # found at low, not found at high
+    low, high = -1, fault.steps + 1  # found at low, not found at high
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (middle, high) if finds(middle) else (low, middle)
-    severity = None if low < 0 else fault.largest / 2**low
+    severity = None if low < 0 else fault.largest / FACTOR**low
     return {"severity": severity, "tried": {f"{s:.6g}": asdict(f) for s, f in sorted(tried.items())}}
 
 
@@ -86,7 +88,7 @@ def _cell(fault: Fault, found: Mapping[str, Any]) -> str:
     if own["severity"] is None:
         return f"**missed** up to {fault.largest * fault.scale:.3g} {fault.unit} | "
     said = own["tried"][f"{own['severity']:.6g}"]
-    at_least = "≤ " if own["severity"] == fault.largest / 2**fault.halvings else ""
+    at_least = "≤ " if own["severity"] == fault.largest / FACTOR**fault.steps else ""
     shown = ", ".join(f"`{name}`" for name in said["features"][:2])
     return f"{at_least}{own['severity'] * fault.scale:.3g} {fault.unit} | {said['warn']:.0f} s: {shown}"
 

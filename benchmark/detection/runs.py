@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -112,7 +113,8 @@ def _hops(condition: str, seed: int, seconds: int, fault: Fault | None = None, s
     columns = names.waveform_columns()
     for tick in range(round(seconds / TICK) + 1):
         if fault is not None and tick == round(SETTLING_SECONDS / TICK):
-            simulation.inject(FaultSettings(**fault.place, **{fault.parameter: severity}))
+            asked: dict[str, Any] = {**fault.place, fault.parameter: severity}
+            simulation.inject(FaultSettings(**asked))
         block = simulation.advance(samples, rotor.advance(process.at(TICK * (tick + 1)), TICK))
         forces = block.bearing_force[:, BEARINGS, :2].reshape(len(block.time), -1)
         data = np.column_stack([block.time, block.phase, block.x, block.v, forces])
