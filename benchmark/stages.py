@@ -45,7 +45,9 @@ PAGE = HERE.parent / "docs" / "indicators.md"
 STRONG = 8.0
 """1/s; the largest exponent of rattling is about 20."""
 NOISE = (None, 60.0, 40.0, 30.0, 20.0)
-SETTLING, SECONDS, WINDOW = 10.0, 22, 16
+USUAL_SETTLING, SECONDS, WINDOW = 10.0, 22, 16
+SETTLING = {"near period 4": 40.0}
+"""s; motions there settle with 1.6 1/s or more slowly."""
 TICK = 0.2
 SUBHARMONIC = 0.15
 """A stage has period n where lines at odd multiples of f/n hold this share of the rms of its vibration."""
@@ -66,7 +68,7 @@ class Case:
 
 def cases() -> list[Case]:
     """Return the records, drawn with a fixed seed."""
-    rng = np.random.default_rng(20)
+    rng = np.random.default_rng(2026)
     drawn: list[tuple[str, dict[str, Any], float | None]] = []
     for load in np.linspace(0.03, 1.0, 12).tolist():
         drawn.append(
@@ -80,10 +82,10 @@ def cases() -> list[Case]:
         errors = {f"mesh.{s}.error_amplitude": rng.uniform(1, 40) * 1e-6 for s in names.STAGES}
         point = {"operation.load": rng.uniform(0.15, 1.0), "operation.ring_speed": rng.uniform(8, 19) * RPM}
         drawn.append(("any errors, under load", errors | point, None))
-    for amplitude in (63, 66, 69, 72, 75, 78):
+    for amplitude in (62, 65, 68, 71, 74, 77):
         values = preset("period2") | {"mesh.II.error_amplitude": amplitude * 1e-6}
         drawn.append(("near period 2", values, None))
-    for load in (0.097, 0.099, 0.101, 0.103):
+    for load in (0.098, 0.0993, 0.1, 0.1012):
         drawn.append(("near period 4", preset("period4") | {"operation.load": load}, None))
     for mean in (4.0, 5.0, 6.0, 7.0, 7.5, 8.0, 8.5, 9.0, 9.5, 10.0, 11.0, 12.0, 13.0, 14.0):
         drawn.append(("wind", {}, mean))
@@ -151,14 +153,14 @@ def _period(stage: str, data: Array) -> int:
 
 
 def _prepare(case: Case, configuration: Configuration) -> tuple[Simulation, list[tuple[int, Drive]]]:
-    ticks, settling = round(SECONDS / TICK), round(SETTLING / TICK)
+    ticks, settling = round(SECONDS / TICK), round(SETTLING.get(case.kind, USUAL_SETTLING) / TICK)
     if case.wind is None:
         kinematics = derive(configuration)
         drive = Drive(kinematics.ring_speed, kinematics.ring_speed, kinematics.input_torque, kinematics.input_torque)
         every = [drive] * (ticks + settling)
     else:
         wind = configuration.wind
-        process = WeibullWind(12.0, 1.04 * case.wind, wind.sampling_interval, wind.correlation_time, case.number)
+        process = WeibullWind(12.0, 1.04 * case.wind, wind.sampling_interval, wind.correlation_time, 500 + case.number)
         rotor = Rotor(configuration.turbine, process.at(0.0))
         drive = Drive(rotor.speed, rotor.speed, rotor.torque, rotor.torque)
         every = [rotor.advance(process.at(TICK * (k + 1)), TICK) for k in range(ticks + settling)]
@@ -180,7 +182,7 @@ def _with_noise(data: Array, case: Case) -> Array:
     if case.noise is None:
         return data
     noisy = data.copy()
-    rng = np.random.default_rng(case.number)
+    rng = np.random.default_rng(500 + case.number)
     first = 1 + len(names.STAGES)
     for column in range(first, data.shape[1]):
         noisy[:, column] += rng.standard_normal(len(data)) * data[:, column].std() * 10.0 ** (-case.noise / 20.0)
