@@ -21,8 +21,11 @@ Indices = npt.NDArray[np.intp]
 RIDGES = (1e-10, 1e-7, 1e-4, 1e-2)
 """Added to the diagonal of the scaled matrix, the first that makes it solvable: harmless next to any noise."""
 NYQUIST_SHARE = 0.45
-GONE = 1e-9
-"""Mean square of a column below which it lies in the trend (a line below 5 Hz): what is left of it is rounding."""
+GONE = 1e-6
+"""Mean square of a column below which it lies in the trend (a line below 5 Hz): what is left of it is mostly rounding.
+
+At a third of rated speed, with 1e-9, rounding made the scaled matrix indefinite (an eigenvalue of -0.3).
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,14 +109,20 @@ def fit(seconds: list[NormalSecond], comb: Comb, rate: float, loaded: Sequence[i
 
 
 def _factor(matrix: Array) -> tuple[Array, bool]:
-    """Cholesky factor of a scaled matrix whose columns may be nearly dependent."""
+    """Cholesky factor of a scaled matrix whose columns may be nearly dependent.
+
+    Where no ridge helps, rounding has made an eigenvalue negative: then all below the largest ridge are raised to it.
+    """
     for ridge in RIDGES:
         with contextlib.suppress(LinAlgError):
             raised = matrix.T.copy(order="F")
             raised[np.diag_indices(len(raised))] += ridge
             factor, lower = cho_factor(raised, overwrite_a=True, check_finite=False)
             return factor, bool(lower)
-    raise LinAlgError(f"the line fit's matrix can't be solved even with a ridge of {RIDGES[-1]:g}")
+    values, vectors = np.linalg.eigh(matrix)
+    repaired = np.asfortranarray((vectors * np.maximum(values, RIDGES[-1])) @ vectors.T)
+    factor, lower = cho_factor(repaired, overwrite_a=True, check_finite=False)
+    return factor, bool(lower)
 
 
 def _assemble(seconds: list[NormalSecond], lines: int, curves: Modulation) -> tuple[Array, Array]:
