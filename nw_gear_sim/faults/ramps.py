@@ -65,10 +65,6 @@ class Ramps:
         """Return when a fault of a kind began, s; nan where there is none."""
         return float(np.fmin.reduce([self._ramps[name].since for name in SEVERITIES[kind]]))
 
-    def moving(self, time: float) -> bool:
-        """Whether a ramp isn't at its end yet."""
-        return any(time < ramp.began + ramp.length for ramp in self._ramps.values())
-
     def state(self) -> dict[str, Any]:
         """Return all that the future depends on, as plain numbers and texts."""
         asked = {name: getattr(self.settings, name) for name in self.settings.__dataclass_fields__}

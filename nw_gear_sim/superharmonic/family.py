@@ -12,7 +12,7 @@ import numpy as np
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
 from nw_gear_sim.superharmonic.firstorder import OMEGA, TRUSTED, Branches, branches, coefficients
-from nw_gear_sim.superharmonic.floquet import exponents
+from nw_gear_sim.superharmonic.floquet import is_stable
 from nw_gear_sim.superharmonic.harmonics import Balance
 from nw_gear_sim.superharmonic.pair import PARAMETERS, GearPair
 
@@ -138,7 +138,7 @@ def _exact(pair: GearPair, axis: Array) -> tuple[ExactPoint, ...]:
         raise InputError("--omega", "a range for --exact", "one frequency")
     balance = Balance(pair)
     orbits = balance.follow(balance.solve(float(axis[0])), float(axis[-1]), ARC)
-    return tuple(ExactPoint(o.omega, o.amplitude(3), bool(exponents(balance, o)[0].real < 0.0)) for o in orbits)
+    return tuple(ExactPoint(o.omega, o.amplitude(3), is_stable(balance, o)) for o in orbits)
 
 
 def as_csv(made: list[Curve]) -> str:
