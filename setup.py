@@ -23,6 +23,8 @@ RUNTIME = (
     "MarkupSafe",
     "typer>=0.12",
     "rich",
+    "PyWavelets>=1.6",
+    "pyarrow>=17",
 )
 
 
