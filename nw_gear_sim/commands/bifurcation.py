@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nw_gear_common.errors import InputError
+from nw_gear_common.tidy import FORMATS
 from nw_gear_sim.commands import axes as named
 from nw_gear_sim.commands.point import ConfigOption, JsonOption
+from nw_gear_sim.commands.telling import Teller
 
 if TYPE_CHECKING:
     from nw_gear_sim.studies.diagram import Row
-    from nw_gear_sim.studies.runner import Progress
 
 MOST_AXES = 2
 
@@ -40,19 +41,24 @@ def bifurcation(
     ] = 5,
     workers: Annotated[int | None, typer.Option("--workers", help="Processes (default: cores).")] = None,
     dask: Annotated[str, typer.Option("--dask", help="Scheduler of an existing Dask cluster.")] = "",
+    form: Annotated[str, typer.Option("--format", help="Of the tables: parquet or csv.")] = "parquet",
     as_json: JsonOption = False,
 ) -> None:
     """Find how the motion changes over a parameter: sections, periods, largest exponent, separation of flanks."""
     from nw_gear_sim import config as configurations  # noqa: PLC0415 - numba and scipy only where they are needed
     from nw_gear_sim.studies import bifurcation as study  # noqa: PLC0415
-    from nw_gear_sim.studies.diagram import as_csv, rows  # noqa: PLC0415
+    from nw_gear_sim.studies.diagram import rows  # noqa: PLC0415
     from nw_gear_sim.studies.runner import run  # noqa: PLC0415
     from nw_gear_sim.studies.store import Store  # noqa: PLC0415
 
     axes = [named.axis("--over", text) for text in over]
     if len(axes) > MOST_AXES or (sweep and len(axes) > 1) or (sweep and dask):
         raise InputError("--over", "one axis, or two without --sweep; --sweep goes without --dask", ", ".join(over))
-    for place, value, known in (("--excitation", excitation, ("tied", "kinematic")), ("--ring", ring, RINGS)):
+    for place, value, known in (
+        ("--excitation", excitation, ("tied", "kinematic")),
+        ("--ring", ring, RINGS),
+        ("--format", form, FORMATS),
+    ):
         if value not in known:
             raise InputError(place, " or ".join(known), value)
     plan = study.Plan(
@@ -64,12 +70,14 @@ def bifurcation(
     if sweep:
         study.sweep(points, plan, store, _say_points)
     else:
-        run(study.blocks(points, plan), study.compute, store, workers=workers, dask=dask, say=_say)
+        teller = Teller(len(points))
+        run(study.blocks(points, plan), study.compute, store, workers=workers, dask=dask, say=teller.progress)
+        teller.cost()
     for key in store.damaged:
         print(f"nw_gear: piece {key} was damaged, put aside and computed again", file=sys.stderr)
     keys = [name for name, _ in axes]
     found = rows(store, list(itertools.product(*(values.tolist() for _, values in axes))), sweep)
-    files = _write(output, as_csv(found, keys), found, keys)
+    files = _write(output, found, keys, form)
     if as_json:
         print(json.dumps({"axes": keys, "rows": [row.as_object(keys) for row in found], "files": files}))
     else:
@@ -79,16 +87,20 @@ def bifurcation(
 RINGS = ("flexible", "rigid")
 
 
-def _write(folder: Path, table: str, found: list[Row], keys: list[str]) -> list[str]:
-    from nw_gear_sim.drawings.bifurcation_page import page  # noqa: PLC0415 - see bifurcation
+def _write(folder: Path, found: list[Row], keys: list[str], form: str) -> list[str]:
+    from nw_gear_common import tidy  # noqa: PLC0415 - see bifurcation
+    from nw_gear_sim.drawings.bifurcation_page import page  # noqa: PLC0415
+    from nw_gear_sim.studies.diagram import points_table, sections_table  # noqa: PLC0415
 
-    written = {"points.csv": table, "diagram.html": page(found, keys)}
+    about = {"study": "bifurcation", "over": ", ".join(keys)}
+    points, sections, drawing = folder / f"points.{form}", folder / f"sections.{form}", folder / "diagram.html"
+    tidy.write(points, points_table(found, keys), about)
+    tidy.write(sections, sections_table(found, keys), about)
     try:
-        for name, text in written.items():
-            (folder / name).write_text(text, encoding="utf-8")
+        drawing.write_text(page(found, keys), encoding="utf-8")
     except OSError as error:
         raise InputError(f"-o {folder}", "room for the results", error.strerror or str(error)) from None
-    return [str(folder / name) for name in written]
+    return [str(path) for path in (points, sections, drawing)]
 
 
 def _print(found: list[Row], keys: list[str], files: list[str]) -> None:
@@ -105,12 +117,6 @@ def _print(found: list[Row], keys: list[str], files: list[str]) -> None:
         lines.append([f"{place[0]:.6g}", *(str(p) for p in place[1:]), *states, rate])
     show("Bifurcation", [*keys, "sweep", "I_1", "II_1", "III", "exponent (1/s)"], lines)
     print("* both halves of the record differ: more --transient may help\n" + "\n".join(files))
-
-
-def _say(progress: Progress) -> None:
-    left = f", {progress.left:.0f} s left" if progress.left == progress.left else ""
-    each = f", {progress.seconds_per_piece:.1f} s of a worker each" if left else ""
-    print(f"{progress.done} of {progress.total} pieces{left}{each}", file=sys.stderr, flush=True)
 
 
 def _say_points(done: int, total: int) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -78,14 +76,22 @@ def rows(store: Store, points: Sequence[tuple[float, ...]], carries: bool) -> li
     return found
 
 
-def as_csv(found: Sequence[Row], axes: Sequence[str]) -> str:
-    """Return the rows as a table with a header; empty cells for what isn't there."""
-    text = io.StringIO()
+def points_table(found: Sequence[Row], axes: Sequence[str]) -> dict[str, list[Any]]:
+    """Return name -> values of everything but the sections, one row for every point, sweep and mesh."""
     objects = [row.as_object(axes) for row in found]
-    writer = csv.DictWriter(text, list(objects[0]) if objects else list(axes), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(objects)
-    return text.getvalue()
+    return {name: [o[name] for o in objects] for name in (objects[0] if objects else axes)}
+
+
+def sections_table(found: Sequence[Row], axes: Sequence[str]) -> dict[str, Any]:
+    """Return name -> values of the sections, one row for every Poincare point: x in m, v in m/s."""
+    lengths = [len(row.x) for row in found]
+    table: dict[str, Any] = {name: np.repeat([row.values[k] for row in found], lengths) for k, name in enumerate(axes)}
+    table["sweep"] = [row.sweep for row in found for _ in row.x]
+    table["mesh"] = [row.mesh for row in found for _ in row.x]
+    table["number"] = np.concatenate([np.arange(n) for n in lengths]) if lengths else []
+    table["x_m"] = np.concatenate([row.x for row in found]) if lengths else []
+    table["v_m_per_s"] = np.concatenate([row.v for row in found]) if lengths else []
+    return table
 
 
 def _of_point(arrays: dict[str, Array], k: int, values: tuple[float, ...], sweep: str) -> Iterator[Row]:

@@ -31,7 +31,7 @@ class Progress:
     Attributes:
         done, total: pieces.
         elapsed: seconds of this run; left: estimated seconds to its end, NaN before the first piece.
-        seconds_per_piece: of one worker's time.
+        seconds_per_piece: of one worker's time; workers: at the same time.
     """
 
     done: int
@@ -39,6 +39,7 @@ class Progress:
     elapsed: float
     left: float
     seconds_per_piece: float
+    workers: int
 
 
 def run(
@@ -155,4 +156,4 @@ def _executor(workers: int, dask: str) -> Iterator[tuple[Executor, int]]:
 def _progress(done: int, total: int, now: int, began: float, workers: int) -> Progress:
     elapsed = time.monotonic() - began
     each = elapsed / now if now else float("nan")
-    return Progress(done, total, elapsed, each * (total - done), each * workers)
+    return Progress(done, total, elapsed, each * (total - done), each * workers, workers)

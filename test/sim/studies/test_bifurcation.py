@@ -1,10 +1,10 @@
 """Bifurcation studies: periods of known sections, exponents against modes, folders that go on where they stopped."""
 
-import csv
 import json
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet
 import pytest
 
 from nw_gear_common import cli
@@ -93,8 +93,14 @@ def test_a_study_is_written_and_goes_on(run, tmp_path: Path):
     assert [(row["operation.load"], row["mesh"]) for row in found["rows"]][7] == (1.0, "I_1")
     loads = {row["operation.load"]: row for row in found["rows"] if row["mesh"] == "II_1"}
     assert loads[0.05]["deviation"] != loads[1.0]["deviation"]
-    table = list(csv.DictReader((tmp_path / "study" / "points.csv").read_text(encoding="utf-8").splitlines()))
-    assert [float(row["deviation"]) for row in table] == [row["deviation"] for row in found["rows"]]
+    assert "s of a worker per point, 1 worker" in first.err
+    table = pyarrow.parquet.read_table(tmp_path / "study" / "points.parquet")
+    assert table["deviation"].to_pylist() == [row["deviation"] for row in found["rows"]]
+    points = pyarrow.parquet.read_table(tmp_path / "study" / "sections.parquet").to_pylist()
+    piece = np.load(tmp_path / "study" / "pieces" / "points-000000.npz")
+    mine = [p["x_m"] for p in points if p["operation.load"] == 1.0 and p["mesh"] == "II_1"]
+    assert mine == piece["x"][1, 3][: len(mine)].tolist()
+    assert np.isnan(piece["x"][1, 3][len(mine) :]).all()
     kept = tmp_path / "study" / "pieces" / "points-000000.npz"
     before = kept.stat().st_mtime_ns
     assert json.loads(run(*arguments).out)["rows"] == found["rows"]
