@@ -7,6 +7,7 @@ one place where values are held against them.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import sys
 import types
@@ -66,11 +67,14 @@ def quantity(
 
 def quantities(owner: Any) -> Iterator[tuple[str, type, Any, Quantity]]:
     """Iterate over (name, type, default, description) of the declared fields of a dataclass or an instance of one."""
-    cls = owner if isinstance(owner, type) else type(owner)
+    yield from _declared(owner if isinstance(owner, type) else type(owner))
+
+
+@functools.cache  # the hints are compiled from text each time
+def _declared(cls: type) -> tuple[tuple[str, type, Any, Quantity], ...]:
     kinds = typing.get_type_hints(cls)
-    for field in dataclasses.fields(cls):
-        if _KEY in field.metadata:
-            yield field.name, kinds[field.name], field.default, field.metadata[_KEY]
+    fields = [field for field in dataclasses.fields(cls) if _KEY in field.metadata]
+    return tuple((field.name, kinds[field.name], field.default, field.metadata[_KEY]) for field in fields)
 
 
 def optional(kind: Any) -> tuple[Any, bool]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import yaml
@@ -31,15 +33,22 @@ class Scaled:
     place: str
 
 
-def leaves() -> dict[str, Leaf]:
+@functools.cache
+def leaves() -> Mapping[str, Leaf]:
     """Return every parameter of `Configuration` by its dotted key, in the order of declaration."""
-    return dict(_leaves(Configuration, ""))
+    return MappingProxyType(dict(_leaves(Configuration, "")))
 
 
-def sections(cls: type) -> dict[str, type]:
+def sections(cls: type) -> Mapping[str, type]:
     """Return the nested dataclasses of a dataclass of parameters by field name."""
+    return _sections(cls)
+
+
+@functools.cache
+def _sections(cls: type) -> Mapping[str, type]:
     kinds = typing.get_type_hints(cls)
-    return {f.name: kinds[f.name] for f in dataclasses.fields(cls) if dataclasses.is_dataclass(kinds[f.name])}
+    nested = {f.name: kinds[f.name] for f in dataclasses.fields(cls) if dataclasses.is_dataclass(kinds[f.name])}
+    return MappingProxyType(nested)
 
 
 def read(path: Path, *, sources: bool = False) -> dict[str, Any]:

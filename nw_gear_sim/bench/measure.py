@@ -9,7 +9,7 @@ from typing import Any
 from nw_gear_common.benchmarking import Figure, Part
 from nw_gear_common.tables import Array
 from nw_gear_sim import config as configurations
-from nw_gear_sim.bench import accuracy, peers, results, speed, sweep
+from nw_gear_sim.bench import accuracy, diagram, peers, results, speed, sweep
 from nw_gear_sim.bench.cases import ACCURATE_STEP, FAST_STEP, PIECE, RATE, REFERENCE, Case, Method, cases
 from nw_gear_sim.bench.results import Measured
 from nw_gear_sim.params import Configuration
@@ -29,7 +29,7 @@ class Extent:
     Attributes:
         cases: names of those in which errors are measured, None for all; pieces: of each.
         others: methods beside the live ones.
-        seconds, repeats: of each timing; scipy, rattling: seconds simulated there; sweep: steps.
+        seconds, repeats: of each timing; scipy, rattling: seconds simulated there; sweep: steps; diagram: points.
     """
 
     cases: tuple[str, ...] | None
@@ -39,10 +39,21 @@ class Extent:
     repeats: int
     scipy: float
     sweep: int
+    diagram: int
     rattling: float
 
 
-FULL = Extent(cases=None, others=OTHERS, pieces=7, seconds=0.5, repeats=7, scipy=0.01, sweep=4000, rattling=8.0)
+FULL = Extent(
+    cases=None,
+    others=OTHERS,
+    pieces=7,
+    seconds=0.5,
+    repeats=7,
+    scipy=0.01,
+    sweep=4000,
+    diagram=diagram.POINTS,
+    rattling=8.0,
+)
 QUICK = Extent(
     cases=(results.RATED, "torque_step"),
     others=(CLASSICAL,),
@@ -51,6 +62,7 @@ QUICK = Extent(
     repeats=3,
     scipy=0.003,
     sweep=400,
+    diagram=16,
     rattling=0.0,
 )
 
@@ -97,6 +109,9 @@ def measure(config: str | None, *, quick: bool, say: Callable[[str], None]) -> P
     say("simulator: sweeps")
     values["sweep"], lines = sweep.measure(configuration, exact[results.RATED], extent.sweep)
     values["sweep_points_per_second"] = values["sweep"]["accurate"]["points_per_second"]
+    figures += lines
+    say("simulator: bifurcation diagrams")
+    values["diagram"], lines = diagram.measure(configuration, extent.diagram, extent.scipy)
     figures += lines
     if extent.rattling:
         say("simulator: rattling")
@@ -153,5 +168,8 @@ def _conditions(extent: Extent, compared: tuple[Case, ...]) -> tuple[str, ...]:
         f"{peers.ATOL_VELOCITY:g} m/s, {1e3 * extent.scipy:g} ms at rated load, scaled to a second",
         "sweep: points of different load in the lanes of one thread, points x simulated seconds per CPU second; its "
         "contact between segments is modelled otherwise, which its error includes",
+        "bifurcation diagram: excitation.omega_e from 0.16 to 0.26, tied, 100 + 200 mesh periods of stage II, with "
+        "equilibria and sections, without exponents; CPU time of all threads; scipy's cost of a point from "
+        f"{1e3 * extent.scipy:g} ms in the middle",
         "the NumPy right-hand side works on whole arrays, with sparse matrices and tabulated friction",
     )

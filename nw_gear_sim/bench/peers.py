@@ -8,22 +8,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import numba
-import numba.typed
 import numpy as np
 import scipy.integrate
 
 from nw_gear_common.tables import Array
-from nw_gear_sim import model
 from nw_gear_sim.bench.accuracy import SETTLED
 from nw_gear_sim.bench.cases import RATE
+from nw_gear_sim.bench.problem import Problem
 from nw_gear_sim.equilibrium import find_equilibrium
 from nw_gear_sim.gearbox import Gearbox
 from nw_gear_sim.kinematics import derive
 from nw_gear_sim.layout import Layout
-from nw_gear_sim.model import Interval
 from nw_gear_sim.params import Configuration
-from nw_gear_sim.physics.friction import empty_table, fill_table
 from nw_gear_sim.reference.arrays import ArrayModel
 from nw_gear_sim.reference.model import ReferenceModel
 
@@ -49,25 +45,9 @@ def compiled(configuration: Configuration, seconds: float, exact: Array) -> Solv
         seconds: simulated.
         exact: elongations x_n of the reference at RATE, (samples, 7).
     """
-    gearbox, start, speed, torque = _at_start(configuration)
-    table = empty_table()
-    fill_table(gearbox.laws.friction, speed, table)
-    interval = Interval(0.0, speed, speed, torque, torque, 1.0)
-    # A list of one tuple: handed over as an argument, its hundred arrays would cost more than the call.
-    box = numba.typed.List([(gearbox.laws, table, interval, gearbox.instants, gearbox.work)])
-    size = len(start)
-    evaluate, out = _right_hand_side(), np.zeros(2 * size)
-
-    def slope(moment: float, state: Array) -> Array:
-        evaluate(box, moment, state, out)
-        return out.copy()
-
-    def elongation(moment: float, state: Array) -> Array:
-        evaluate(box, moment, state, out)
-        return gearbox.contact.x.copy()
-
-    state = np.concatenate([start, np.zeros(size)])
-    return _solve(slope, elongation, state, np.ones(size), seconds, exact)
+    problem = Problem(configuration)
+    scale = np.ones(len(problem.start) // 2)
+    return _solve(problem.slope, problem.elongation, problem.start, scale, seconds, exact)
 
 
 def with_numpy(configuration: Configuration, seconds: float, exact: Array) -> Solved:
@@ -134,19 +114,3 @@ def _solve(
     found = [elongation(moment, there) for moment, there in zip(done.t, done.y.T, strict=True)]
     error = float(np.max(np.abs(np.array(found) - exact[SETTLED : SETTLED + len(found)])))
     return Solved(spent / seconds, done.nfev / seconds, error)
-
-
-def _right_hand_side() -> Any:
-    """Compile the slope of the state (q, v), both in the order of the layout."""
-
-    @numba.njit(nogil=True)
-    def evaluate(box: Any, moment: float, state: Array, out: Array) -> None:
-        laws, table, interval, instants, work = box[0]
-        size = len(laws.inverse_mass)
-        model.set_slot(laws, table, table, interval, moment, instants, 0)
-        model.forces(laws, instants, 0, state[:size], state[size:], work, out[size:])
-        for i in range(size):
-            out[i] = state[size + i]
-            out[size + i] *= laws.inverse_mass[i]
-
-    return evaluate

@@ -71,10 +71,10 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """Points that are computed together: configurations, as resolved YAML, and where they begin (None: at rest)."""
+    """Points that are computed together: their configurations, and where they begin (None: at rest)."""
 
     plan: Plan
-    configurations: tuple[str, ...]
+    configurations: tuple[Configuration, ...]
     start: End | None = None
 
 
@@ -91,8 +91,8 @@ def grid(base: Configuration, axes: Sequence[tuple[str, Array]]) -> list[Configu
 
 def blocks(configurations: Sequence[Configuration], plan: Plan) -> dict[str, Piece]:
     """Return independent pieces, by key."""
-    texts = [config.to_yaml(c) for c in configurations]
-    return {f"points-{k:06d}": Piece(plan, tuple(texts[k : k + LANES])) for k in range(0, len(texts), LANES)}
+    count = len(configurations)
+    return {f"points-{k:06d}": Piece(plan, tuple(configurations[k : k + LANES])) for k in range(0, count, LANES)}
 
 
 def compute(piece: Piece) -> dict[str, Array]:
@@ -104,7 +104,7 @@ def compute(piece: Piece) -> dict[str, Array]:
         `open`, `back` shares (points, 7); `diverged`, s, NaN for none; and the state at the end.
     """
     plan = piece.plan
-    points = [config.from_yaml(text) for text in piece.configurations]
+    points = list(piece.configurations)
     batch = _begin(piece, points)
     if plan.transient:
         batch.advance(periods=plan.transient, stage=plan.stage)
@@ -140,14 +140,13 @@ def sweep(configurations: Sequence[Configuration], plan: Plan, store: Store, say
         store: takes the pieces; those that it has are not computed again.
         say: told how many pieces are done, of how many.
     """
-    texts = [config.to_yaml(c) for c in configurations]
     done, start = store.done(), None
-    for k in range(len(texts)):
+    for k in range(len(configurations)):
         key = f"sweep-{k:06d}"
         if key not in done:
-            store.put(key, compute(Piece(plan, (texts[k], texts[-1 - k]), start)))
+            store.put(key, compute(Piece(plan, (configurations[k], configurations[-1 - k]), start)))
         start = carried(store.get(key), plan)
-        say(k + 1, len(texts))
+        say(k + 1, len(configurations))
 
 
 def label(period: int, rate: float, error: float, diverged: float) -> str:

@@ -2,11 +2,16 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from nw_gear_sim.bench import accuracy, peers
 from nw_gear_sim.bench.accuracy import Statistics
 from nw_gear_sim.bench.cases import PIECE, RATE, REFERENCE, Method, cases
-from nw_gear_sim.config import load
+from nw_gear_sim.bench.problem import Problem
+from nw_gear_sim.config import load, with_values
+from nw_gear_sim.kinematics import derive
+from nw_gear_sim.physics.drive import Drive
+from nw_gear_sim.simulation import Simulation
 
 CONFIGURATION = load()
 CASES = {case.name: case for case in cases(CONFIGURATION, 1)}
@@ -55,3 +60,20 @@ def test_statistics_are_compared_by_their_largest_difference():
     deviation, opened = here.against(Statistics(ones, 0.2 * ones))
     assert deviation == pytest.approx(0.1)
     assert opened == pytest.approx(0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ring", ["flexible", "rigid"])
+def test_scipy_solves_the_diagrams_equations(ring):
+    """Tied excitation, both kinds of ring: against the exponential method with all the ring's modes."""
+    values = {"operation.drive": "fixed", "excitation.omega_e": 0.21, "numerics.ring": ring}
+    configuration = with_values({**values, "numerics.integrator": "etdrk4", "numerics.step": 1 / 163840}, load())
+    fixed, rate = derive(configuration), 10240
+    drive = Drive(fixed.ring_speed, fixed.ring_speed, fixed.input_torque, fixed.input_torque)
+    problem = Problem(configuration, "tied", ring)
+    block = Simulation(configuration, drive, excitation="tied", sample_rate=rate).advance(20, drive)
+    moments = np.arange(20) / rate
+    solved = solve_ivp(problem.slope, (0.0, moments[-1]), problem.start, t_eval=moments, rtol=1e-6, atol=1e-10)
+    found = np.array([problem.elongation(t, y) for t, y in zip(moments, solved.y.T, strict=True)])
+    assert np.ptp(block.x, axis=0).max() > 1e-7
+    assert np.max(np.abs(found - block.x)) < 3e-8
