@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,7 @@ _ENCAPSULATION = 4
 _ORDERS = {b"\x00\x00": ">", b"\x00\x01": "<"}
 
 
-class _Cursor:
+class Cursor:
     """Walks over CDR data; positions are aligned relative to the end of the encapsulation header."""
 
     def __init__(self, data: bytes) -> None:
@@ -44,6 +45,21 @@ class _Cursor:
         self.at += -(self.at - _ENCAPSULATION) % size
 
 
+class Layout(NamedTuple):
+    """How a table stands in its message: its head, and where its numbers begin, in which byte order (`<` or `>`)."""
+
+    row: str
+    columns: tuple[str, ...]
+    rows: int
+    begin: int
+    order: str
+
+    @property
+    def size(self) -> int:
+        """Bytes of the numbers."""
+        return 8 * self.rows * len(self.columns)
+
+
 def to_table(data: bytes, place: str) -> Table:
     """Turn a serialised std_msgs/Float64MultiArray into a table.
 
@@ -54,21 +70,29 @@ def to_table(data: bytes, place: str) -> Table:
     Raises:
         InputError: it isn't serialised as that type, or its layout isn't that of a table.
     """
+    found = layout(data, place)
+    count = found.rows * len(found.columns)
+    values = np.frombuffer(data, dtype=found.order + "f8", count=count, offset=found.begin)
+    return Table(found.row, found.columns, values.astype(np.float64).reshape(found.rows, len(found.columns)))
+
+
+def layout(data: bytes, place: str) -> Layout:
+    """Find out how a table stands in its message; arguments and errors as for `to_table`."""
     try:
-        labels, sizes, values = _parse(data)
+        labels, sizes, count, begin, order = _parse(data)
     except (KeyError, ValueError, struct.error) as error:
         raise InputError(f"{place}: message", f"a serialised {TABLE_TYPE}", str(error)) from None
     if len(labels) != 2:
         raise InputError(f"{place}: layout", "two dimensions", str(len(labels)))
     columns = tuple(labels[1].split(","))
     rows = sizes[0]
-    if len(columns) != sizes[1] or values.size != rows * len(columns):
-        raise InputError(f"{place}: data", f"{rows} x {len(columns)} numbers", str(values.size))
-    return Table(labels[0], columns, values.astype(np.float64).reshape(rows, len(columns)))
+    if len(columns) != sizes[1] or count != rows * len(columns):
+        raise InputError(f"{place}: data", f"{rows} x {len(columns)} numbers", str(count))
+    return Layout(labels[0], columns, rows, begin, order)
 
 
-def _parse(data: bytes) -> tuple[list[str], list[int], np.ndarray[tuple[int], np.dtype[np.float64]]]:
-    cursor = _Cursor(data)
+def _parse(data: bytes) -> tuple[list[str], list[int], int, int, str]:
+    cursor = Cursor(data)
     labels, sizes = [], []
     for _dimension in range(cursor.word()):
         labels.append(cursor.text())
@@ -78,7 +102,9 @@ def _parse(data: bytes) -> tuple[list[str], list[int], np.ndarray[tuple[int], np
     count = cursor.word()
     if count:
         cursor.align(8)
-    return labels, sizes, np.frombuffer(data, dtype=cursor.order + "f8", count=count, offset=cursor.at)
+    if cursor.at + 8 * count > len(data):
+        raise ValueError("fewer numbers than it says")
+    return labels, sizes, count, cursor.at, cursor.order
 
 
 def from_table(table: Table) -> bytes:

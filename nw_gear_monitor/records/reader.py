@@ -63,6 +63,7 @@ class Recording:
         complete: whether the recording is whole; False where a repaired copy is read, or metadata.yaml is missing.
         damage: what is wrong with it, in words; empty where it is whole.
         topics: name to type and number of messages.
+        files: the MCAP files, in order.
         provenance: metadata records, name (`nw_gear.run`, `nw_gear.node.<name>`) to key to text.
         start_ns, end_ns: first and last log time, ns of ROS time.
     """
@@ -71,7 +72,7 @@ class Recording:
         self.path = path
         self.damage = damage
         self.complete = not damage
-        self._files = files
+        self.files = tuple(files)
         self._stack = stack
         self._decoders = {file.path: DecoderFactory() for file in files}
         self.topics: dict[str, Topic] = _topics(files)
@@ -157,29 +158,29 @@ class Recording:
         Raises:
             InputError: a message doesn't fit its type.
         """
-        for file in self._files:
-            decode = functools.cache(functools.partial(self._decoder, file))
+        for file in self.files:
+            decode = functools.cache(functools.partial(self.decoder, file))
             for channel, message in file.messages(topics):
                 value = decode(channel.id)(message.data)
                 yield Entry(channel.topic, 1e-9 * message.log_time, value)
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[Entry]:
         """The same as `read`, with Float64MultiArray as an object with the fields of that type."""
-        for file in self._files:
-            decode = functools.cache(functools.partial(self._decoder, file, tables=False))
+        for file in self.files:
+            decode = functools.cache(functools.partial(self.decoder, file, tables=False))
             for channel, message in file.messages(topics):
                 yield Entry(channel.topic, 1e-9 * message.log_time, decode(channel.id)(message.data))
 
     def raw(self, topics: Collection[str] | None = None, since: int = 0) -> Iterator[RawMessage]:
         """Messages as they were recorded, from a log time (ns) on."""
-        for file in self._files:
+        for file in self.files:
             for channel, message in file.messages(topics, since):
                 yield RawMessage(channel.topic, message.log_time, message.publish_time, message.data)
 
     def qos(self, topic: str) -> tuple[Qos, ...]:
         """What the publishers of a topic offered when it was recorded; empty where that isn't known."""
         self._topic(topic)
-        channels = [c for file in self._files for c in file.summary.channels.values() if c.topic == topic]
+        channels = [c for file in self.files for c in file.summary.channels.values() if c.topic == topic]
         return from_yaml(channels[0].metadata.get(QOS_KEY, ""))
 
     def _topic(self, name: str) -> Topic:
@@ -187,7 +188,12 @@ class Recording:
             raise InputError(f"{self.path}: topic {name}", "one of " + ", ".join(self.topics), "none of them")
         return self.topics[name]
 
-    def _decoder(self, file: McapFile, number: int, tables: bool = True) -> Callable[[bytes], Any]:
+    def decoder(self, file: McapFile, number: int, tables: bool = True) -> Callable[[bytes], Any]:
+        """What turns messages of a channel of one of the files into tables or objects.
+
+        Raises:
+            InputError: its type's definition can't be used; when it is called, a message doesn't fit it.
+        """
         channel = file.summary.channels[number]
         schema = file.summary.schemas.get(channel.schema_id)
         place = f"{self.path}: {channel.topic}"
