@@ -1,4 +1,4 @@
-"""Write what follows from the code: the tables of README.md and config/nodes.yaml.
+"""Write what follows from the code: the tables of README.md, config/nodes.yaml and layouts for other tools.
 
 python scripts/generate.py           writes the files
 python scripts/generate.py --check   says which of them are out of date; exit code 1 where one is
@@ -13,13 +13,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from layouts import foxglove, plotjuggler
+
 from nw_gear_common.catalogue import EXECUTABLES, TOPICS
 from nw_gear_common.launcher import NODES
 from nw_gear_common.quantities import Quantity, quantities
 
 ROOT = Path(__file__).resolve().parent.parent
 README = ROOT / "README.md"
-NODES_YAML = ROOT / "config" / "nodes.yaml"
+CONFIG = ROOT / "config"
+NODES_YAML = CONFIG / "nodes.yaml"
 
 LEFT_TO_THE_NODE = {"publish_clock"}
 """Parameters for which being unset has a meaning of its own; nodes.yaml shows them as a comment."""
@@ -116,7 +119,12 @@ def nodes_yaml() -> str:
 
 def main(arguments: list[str]) -> int:
     """Write the files, or check them."""
-    wanted = {README: readme(README.read_text(encoding="utf-8")), NODES_YAML: nodes_yaml()}
+    wanted = {
+        README: readme(README.read_text(encoding="utf-8")),
+        NODES_YAML: nodes_yaml(),
+        CONFIG / "foxglove.json": foxglove(),
+        CONFIG / "plotjuggler.xml": plotjuggler(),
+    }
     stale = [p for p, text in wanted.items() if not p.exists() or p.read_text(encoding="utf-8") != text]
     if "--check" in arguments:
         for path in stale:

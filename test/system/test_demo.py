@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from nw_gear_monitor.records.reader import Recording
+from test.system import layout_paths
 from test.system.processes import command, environment, running
 
 START = 180.0
@@ -48,6 +49,7 @@ def test_a_short_demo_leaves_a_recording_and_a_report(tmp_path):
         assert {f"nw_gear.node.{n}" for n in ("wind_node", "gear_sim_node", "gear_monitor_node")} <= nodes
         assert recording.provenance["nw_gear.node.wind_node"]["seed"] == "1"
         assert "backlash" in recording.provenance["nw_gear.node.gear_sim_node"]["resolved_config"]
+    assert layout_paths.missing(folder / "recording") == []
 
 
 @pytest.mark.slow
