@@ -1,11 +1,13 @@
-"""Wind, gearbox and monitor, and a recorder where a folder is named.
+"""Wind, gearbox and monitor, a recorder where a folder is named, and a live page where one is wanted.
 
 ros2 launch nw_gear simulate.launch.py
 ros2 launch nw_gear simulate.launch.py wind:=gust seed:=3 record:=runs/gust real_time_factor:=0.0
+ros2 launch nw_gear simulate.launch.py namespace:=turbine_7 domain:=7 dashboard:=true
+ros2 launch nw_gear simulate.launch.py config:=rated scenario:=grid_loss
 """
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, Shutdown
+from launch.actions import DeclareLaunchArgument, SetEnvironmentVariable, Shutdown
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
@@ -26,7 +28,12 @@ ARGUMENTS = (
     ("real_time_factor", "1.0", "Simulated seconds per second of wall time; 0.0 = as fast as possible."),
     ("use_sim_time", NOT_REAL_TIME, "Follow /clock; by itself true where real_time_factor isn't 1."),
     ("duration", "0.0", "Simulated seconds after which everything ends; 0.0 = never."),
+    ("scenario", "", "Instead of the wind: start_up, shutdown, emergency_stop or grid_loss."),
+    ("drive_file", "", "Instead of the wind: speed and torque from OpenFAST or a SCADA system."),
     ("record", "", "New folder of the recording; empty = don't record."),
+    ("dashboard", "false", "Live page on the loopback address; its address is printed."),
+    ("port", "0", "Port of that page; 0 = any free one."),
+    ("domain", "", "ROS domain of all nodes; empty = that of the environment."),
 )
 
 
@@ -52,15 +59,21 @@ def generate_launch_description() -> LaunchDescription:
     clocked = {"use_sim_time": given("use_sim_time", bool)}
     config = {"config": given("config", str)}
     wind = {"source": given("wind", str), "file": given("wind_file", str), "seed": given("seed", int)}
+    load = {"scenario": given("scenario", str), "drive_file": given("drive_file", str)}
     pace = {"real_time_factor": given("real_time_factor", float), "duration": given("duration", float)}
     recorded = PythonExpression(["'", LaunchConfiguration("record"), "' != ''"])
-    audience = {"wait_for": ParameterValue(PythonExpression(["1 + int(", recorded, ")"]), value_type=int)}
+    watched = PythonExpression(["'", LaunchConfiguration("dashboard"), "'.lower() in ('true', '1')"])
+    count = PythonExpression(["1 + int(", recorded, ") + int(", watched, ")"])
+    audience = {"wait_for": ParameterValue(count, value_type=int)}
+    elsewhere = PythonExpression(["'", LaunchConfiguration("domain"), "' != ''"])
     return LaunchDescription(
         [
             *(DeclareLaunchArgument(name, default_value=value, description=text) for name, value, text in ARGUMENTS),
+            SetEnvironmentVariable("ROS_DOMAIN_ID", LaunchConfiguration("domain"), condition=IfCondition(elsewhere)),
             node("recorder_node", {"uri": given("record", str), **clocked}, condition=IfCondition(recorded)),
             node("gear_monitor_node", {**config, **clocked}),
-            node("gear_sim_node", {**config, **pace, **audience}, on_exit=Shutdown()),
+            node("dashboard_node", {"port": given("port", int), **clocked}, condition=IfCondition(watched)),
+            node("gear_sim_node", {**config, **load, **pace, **audience}, on_exit=Shutdown()),
             node("wind_node", {**config, **wind, **clocked}),
         ]
     )

@@ -91,6 +91,13 @@ class DeclareLaunchArgument:
 
 
 @dataclass
+class SetEnvironmentVariable:
+    name: str
+    value: Any
+    condition: IfCondition | None = None
+
+
+@dataclass
 class Shutdown:
     reason: str = ""
 
@@ -122,6 +129,11 @@ class LaunchDescription:
                 context.arguments[entity.name] = context.text(entity.default_value)
         return context
 
+    def environment(self, context: Context) -> dict[str, str]:
+        """The environment variables that would be set."""
+        found = [e for e in self.entities if isinstance(e, SetEnvironmentVariable)]
+        return {e.name: context.text(e.value) for e in found if e.condition is None or e.condition.evaluate(context)}
+
     def nodes(self, context: Context) -> list[Node]:
         """The nodes that would be started."""
         found = [e for e in self.entities if isinstance(e, Node)]
@@ -142,7 +154,7 @@ def install(monkeypatch: Any) -> None:
     """Make the stand-ins importable under the real names for one test."""
     contents = {
         "launch": [LaunchDescription],
-        "launch.actions": [DeclareLaunchArgument, Shutdown],
+        "launch.actions": [DeclareLaunchArgument, SetEnvironmentVariable, Shutdown],
         "launch.conditions": [IfCondition],
         "launch.substitutions": [LaunchConfiguration, PathJoinSubstitution, PythonExpression],
         "launch_ros": [],

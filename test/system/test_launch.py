@@ -63,6 +63,39 @@ def test_simulate_puts_all_nodes_into_one_namespace(described):
     assert {context.text(node.namespace) for node in description.nodes(context)} == {"turbine_7"}
 
 
+@pytest.mark.parametrize(("name", "more"), [("simulate.launch.py", {}), ("replay.launch.py", {"uri": "runs/one"})])
+def test_a_domain_is_set_for_all_nodes_where_one_is_named(described, name, more):
+    description = described(name)
+    assert description.environment(description.arguments(**more)) == {}
+    assert description.environment(description.arguments(domain="7", **more)) == {"ROS_DOMAIN_ID": "7"}
+
+
+def test_simulate_shows_a_page_where_it_is_wanted(described):
+    nodes = started(described("simulate.launch.py"), dashboard="true", port="5007", record="runs/one", config="rated")
+    assert nodes["dashboard_node"]["port"] == 5007
+    assert nodes["gear_sim_node"]["wait_for"] == 3
+    check_against_the_nodes(nodes)
+
+
+def test_simulate_takes_other_loads_than_the_wind(described):
+    nodes = started(described("simulate.launch.py"), scenario="grid_loss", drive_file="turbine.outb")
+    assert nodes["gear_sim_node"]["scenario"] == "grid_loss"
+    assert nodes["gear_sim_node"]["drive_file"] == "turbine.outb"
+    check_against_the_nodes(nodes)
+
+
+def test_replay_records_what_the_monitor_says_anew(described):
+    given = {"uri": "runs/one", "monitor": "true", "record": "runs/again", "dashboard": "True", "namespace": "a"}
+    description = described("replay.launch.py")
+    context = description.arguments(**given)
+    places = {node.executable: context.text(node.namespace) for node in description.nodes(context)}
+    again = dict.fromkeys(("gear_monitor_node", "recorder_node"), "again/a")
+    assert places == {**again, **dict.fromkeys(("replay_node", "dashboard_node"), "a")}
+    nodes = started(description, **given)
+    assert nodes["replay_node"]["wait_for"] == 2
+    check_against_the_nodes(nodes)
+
+
 def test_replay_starts_a_replay(described):
     nodes = started(described("replay.launch.py"), uri="runs/one", rate="2.0", loop="true")
     assert set(nodes) == {"replay_node"}
