@@ -6,7 +6,15 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 NAME = "nw_gear"
-EXECUTABLES = ("wind_node", "gear_sim_node", "gear_monitor_node", "recorder_node", "replay_node", "nw_gear")
+EXECUTABLES = (
+    "wind_node",
+    "gear_sim_node",
+    "gear_monitor_node",
+    "recorder_node",
+    "replay_node",
+    "dashboard_node",
+    "nw_gear",
+)
 VERSION = re.findall(r'__version__ = "(.+)"', Path("nw_gear_common/__init__.py").read_text(encoding="utf-8"))[0]
 
 # ROS itself isn't listed: it comes from the distribution or from requirements/runtime.txt.

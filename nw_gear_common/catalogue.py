@@ -18,6 +18,7 @@ EXECUTABLES = {
     "gear_monitor_node": "spectra, Poincaré sections, indicators, states and alarms, online",
     "recorder_node": "records topics to a rosbag2 folder with MCAP storage",
     "replay_node": "publishes a recording again, with `/clock`",
+    "dashboard_node": "a live page in the browser, on the loopback address",
     "nw_gear": "the command line: `demo`, `review`, `analyse`, `study`, `equilibrium`, `modes`, `bench`, `info`, "
     "`import`, `recover`",
 }

@@ -19,6 +19,7 @@ NODES = {
     "gear_monitor_node": "nw_gear_monitor.nodes.gear_monitor_node",
     "recorder_node": "nw_gear_monitor.nodes.recorder_node",
     "replay_node": "nw_gear_monitor.nodes.replay_node",
+    "dashboard_node": "nw_gear_monitor.nodes.dashboard_node",
 }
 """Module of each node; it has `main(argv)` and its parameters as `Settings`."""
 
@@ -68,6 +69,11 @@ def recorder_node() -> int:
 def replay_node() -> int:
     """Start the replay."""
     return _run_node("replay_node")
+
+
+def dashboard_node() -> int:
+    """Start the live page."""
+    return _run_node("dashboard_node")
 
 
 def nw_gear() -> int:

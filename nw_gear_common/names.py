@@ -54,6 +54,7 @@ STALE = "stale"
 UNKNOWN = "unknown"
 STATES = (*PERIODS, QUASI_PERIODIC, CHAOTIC, TRANSIENT, STALE, UNKNOWN)
 
+WIND_SOURCES = ("weibull", "constant", "step", "gust", "file")
 PRESETS = ("rated", "rattling", "period2", "period4")
 
 

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_common.quantities import quantity
 from nw_gear_sim import columnfile, params, windfile
@@ -15,7 +16,6 @@ from nw_gear_sim.physics.wind_series import SeriesWind
 from nw_gear_sim.physics.wind_turbulence import SHORTEST_INTERVAL, TurbulentWind
 from nw_gear_sim.physics.wind_weibull import WeibullWind
 
-SOURCES = ("weibull", "constant", "step", "gust", "file")
 FASTEST = windfile.FASTEST_WIND
 
 
@@ -23,7 +23,7 @@ FASTEST = windfile.FASTEST_WIND
 class Settings:
     """Parameters of the wind. Those that say so take their value from the configuration file while they are 0."""
 
-    source: str = quantity("weibull", "Where the wind comes from.", choices=SOURCES)
+    source: str = quantity("weibull", "Where the wind comes from.", choices=names.WIND_SOURCES, live=True)
     seed: int = quantity(1, "Seed of all random numbers.", minimum=0)
     rate: float = quantity(10.0, "Samples per second.", "Hz", minimum=0.1, maximum=100.0)
     config: str = quantity("", "Configuration file or preset laid over the default one.")

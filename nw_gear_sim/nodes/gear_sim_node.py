@@ -114,7 +114,13 @@ class GearSimNode(Node):
             self._progress.heard(time.monotonic())
 
     def _change(self, settings: Settings) -> None:
-        """Live parameters were set: faults. Those that weren't touched stay, also where a checkpoint brought them."""
+        """Live parameters were set. Faults that weren't touched stay, also where a checkpoint brought them."""
+        factor = settings.real_time_factor
+        paced = factor != self._settings.real_time_factor
+        if paced and not self._clocked:
+            raise InputError(
+                "parameter real_time_factor", "1, as this run's time is the wall's (see publish_clock)", f"{factor:g}"
+            )
         changed = {
             field.name: getattr(settings, field.name)
             for field in fields(FaultSettings)
@@ -122,6 +128,8 @@ class GearSimNode(Node):
         }
         with self._ticking:  # between two ticks
             self._session.inject(replace(self._session.faults, **changed))
+            if paced and self._session.begun:
+                self._pace = Pace(factor, time.monotonic(), self._session.time)
         self._settings = settings
 
     def _on_checkpoint(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

@@ -16,7 +16,12 @@ class Settings(FaultSettings):
 
     config: str = quantity("", "Configuration laid over the default gearbox: a YAML file, or the name of a preset.")
     real_time_factor: float = quantity(
-        1.0, "Simulated seconds per second of wall time; 0 = as fast as possible.", "1", minimum=0.0, maximum=1000.0
+        1.0,
+        "Simulated seconds per second of wall time; 0 = as fast as possible. May change where /clock is published.",
+        "1",
+        live=True,
+        minimum=0.0,
+        maximum=1000.0,
     )
     sample_rate: float = quantity(
         5120.0, "Rate of the waveform; divides 1/step and is a multiple of 20.", "Hz", minimum=20.0, maximum=40960.0

@@ -82,8 +82,10 @@ class WindNode(Node):
         return make_source(settings, self._configuration.wind, self._configuration.turbine)
 
     def _change(self, settings: Settings) -> None:
-        self._source = self._make(settings)
+        before, self._source = self._settings.source, self._make(settings)
         self._settings = settings
+        if settings.source != before:
+            self._announce()
 
     def _begin(self) -> None:
         """Begin with sample 0: at time 0 of a simulation, or now."""

@@ -1,0 +1,1 @@
+"""Figures of the page, one kind a file: built empty, then told what is new."""

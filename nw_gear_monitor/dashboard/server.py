@@ -1,0 +1,190 @@
+"""Serves the page: Bokeh's server behind the gate, in a thread of its own with its own loop."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import logging
+import socket
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from bokeh.application import Application
+from bokeh.application.handlers.function import FunctionHandler
+from bokeh.document import Document
+from bokeh.server.server import BaseServer
+from bokeh.server.tornado import BokehTornado
+from tornado.httpserver import HTTPServer
+from tornado.httputil import HTTPServerRequest
+from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.netutil import bind_sockets
+from tornado.web import RequestHandler
+
+from nw_gear_common.errors import InputError
+from nw_gear_monitor.dashboard.digest import Digest, digest
+from nw_gear_monitor.dashboard.gate import ALLOWED, HAND_OVER, Gate, Verdict
+from nw_gear_monitor.dashboard.page import Page, Show
+
+DIGEST_MS = 500
+UNUSED_MS = 5000
+"""How long a page that nobody looks at any more is kept (ms)."""
+START_WITHIN = 10.0
+STOP_WITHIN = 3.0
+
+
+class Alive(RequestHandler):
+    """Says that the server is there."""
+
+    def get(self) -> None:
+        """Answer."""
+        self.set_header("Cache-Control", "no-store")
+        self.write("alive")
+
+
+class Refusal(RequestHandler):
+    """Answers what the gate didn't let through."""
+
+    def initialize(self, verdict: Verdict, cookie: str) -> None:
+        """Take the verdict."""
+        self._verdict, self._cookie_name = verdict, cookie
+
+    def prepare(self) -> None:
+        """Refuse, or hand the token over to a cookie."""
+        if self._verdict.what == HAND_OVER and self.request.method == "GET":
+            token = self.get_query_argument("token")
+            self.set_cookie(self._cookie_name, token, httponly=True, samesite="Strict")
+            self.redirect(self.request.path)
+            return
+        self.set_status(403)
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"refused: {self._verdict.reason or 'the token belongs into the cookie'}\n")
+
+
+class GatedTornado(BokehTornado):
+    """Bokeh's application with the gate in front of every request: pages, files and websockets alike."""
+
+    def __init__(self, application: Application, gate: Gate) -> None:
+        self._gate = gate
+        super().__init__(
+            {"/": application},
+            extra_patterns=[(r"/alive", Alive)],
+            extra_websocket_origins=["*"],  # the gate has compared the origin with the host
+            use_index=False,
+            unused_session_lifetime_milliseconds=UNUSED_MS,
+            check_unused_sessions_milliseconds=UNUSED_MS,
+            include_headers=[],
+            include_cookies=[],
+        )
+
+    def find_handler(self, request: HTTPServerRequest, **kwargs: Any) -> Any:
+        """Let the gate judge first."""
+        query = request.query_arguments.get("token", [b""])[-1].decode("ascii", "replace")
+        cookie = request.cookies.get(self._gate.cookie)
+        verdict = self._gate.judge(request.headers, query, cookie.value if cookie else "")
+        if verdict.what == ALLOWED:
+            return super().find_handler(request, **kwargs)
+        return self.get_handler_delegate(request, Refusal, {"verdict": verdict, "cookie": self._gate.cookie})
+
+
+class Server:
+    """The page's server.
+
+    Args:
+        show: what pages show; its `digest` is this server's.
+        address, port: to listen on; port 0 takes any free one.
+        token: that requests have to carry, "" for none.
+
+    Raises:
+        InputError: the address can't be listened on.
+    """
+
+    def __init__(self, address: str, port: int, token: str) -> None:
+        self._digest = Digest()
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="digest")
+        self._computing = False
+        self._token, self._address = token, address
+        try:
+            self._sockets = bind_sockets(port, address, family=_family(address))
+        except OSError as error:
+            reason = errno.errorcode.get(error.errno or 0, "") if error.strerror is None else error.strerror
+            raise InputError("parameter port", f"a free port of {address}", f"{port} ({reason})") from None
+        self.port: int = self._sockets[0].getsockname()[1]
+        host = f"[{address}]" if ":" in address else address
+        self.url = f"http://{host}:{self.port}/"
+        self._loop: IOLoop | None = None
+        self._ready = threading.Event()
+        self._thread: threading.Thread | None = None
+        self.error = ""
+
+    def digest(self) -> Digest:
+        """The newest pictures that took computing."""
+        return self._digest
+
+    def start(self, show: Show) -> None:
+        """Begin to serve."""
+        logging.getLogger("bokeh").setLevel(logging.WARNING)
+        logging.getLogger("tornado.access").setLevel(logging.ERROR)
+        self._thread = threading.Thread(target=self._work, args=(show,), name="server", daemon=True)
+        self._thread.start()
+        self._ready.wait(START_WITHIN)
+
+    def stop(self) -> None:
+        """Close all connections and the port."""
+        loop = self._loop
+        if loop is not None:
+            loop.add_callback(loop.stop)
+        if self._thread is not None:
+            self._thread.join(STOP_WITHIN)
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    @property
+    def sessions(self) -> int:
+        """Pages that are open."""
+        return self._count
+
+    _count = 0
+
+    # --- the server's thread ------------------------------------------------------------------------------------------
+
+    def _work(self, show: Show) -> None:
+        asyncio.set_event_loop(asyncio.new_event_loop())
+        loop = self._loop = IOLoop.current()
+        application = Application(FunctionHandler(lambda document: _build(document, show)))
+        tornado = GatedTornado(application, Gate(self._address, self.port, self._token))
+        http = HTTPServer(tornado)
+        http.add_sockets(self._sockets)
+        server = BaseServer(loop, tornado, http)
+        server.start()
+        refresh = PeriodicCallback(lambda: self._refresh(server, show), DIGEST_MS)
+        refresh.start()
+        self._ready.set()
+        try:
+            loop.start()
+        finally:
+            refresh.stop()
+            server.stop(wait=False)
+
+    def _refresh(self, server: BaseServer, show: Show) -> None:
+        """Let the pictures be computed anew by another thread, where anybody looks and they aren't being computed."""
+        self._count = len(server.get_sessions("/"))
+        if not self._count or self._computing:
+            return
+        self._computing = True
+        self._pool.submit(self._compute, show)
+
+    def _compute(self, show: Show) -> None:
+        try:
+            self._digest = digest(show.feed, self._digest)
+        except Exception as error:  # a page with some pictures missing is better than none; the node tells
+            self.error = f"{type(error).__name__}: {error}"
+        finally:
+            self._computing = False
+
+
+def _build(document: Document, show: Show) -> None:
+    Page(document, show)
+
+
+def _family(address: str) -> socket.AddressFamily:
+    return socket.AF_INET6 if ":" in address else socket.AF_INET
