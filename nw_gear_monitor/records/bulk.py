@@ -19,7 +19,7 @@ from nw_gear_common.tables import Table
 from nw_gear_monitor.records.cdr import TABLE_TYPE, Layout, layout, to_table
 from nw_gear_monitor.records.chunks import Batch, Bytes, ChunkReader, Place, Whole
 from nw_gear_monitor.records.reader import Recording
-from nw_gear_monitor.records.stamped import TYPES, Rows, rows
+from nw_gear_monitor.records.stamped import TYPES, Form, Rows, rows
 
 _NANO = 1e-9
 
@@ -34,6 +34,7 @@ class _Channel:
         self._decode: Callable[[bytes], Any] | None = None
         self._layout: Layout | None = None
         self._head = b""
+        self._form: Form | None = None
 
     def value(self, batch: Batch, number: int) -> Any:
         """A table, or an object with the fields of the type."""
@@ -51,6 +52,12 @@ class _Channel:
         if self._decode is None:
             self._decode = self._decoder()
         return self._decode(data)
+
+    def rows(self, batch: Batch, numbers: Whole) -> Iterator[Rows]:
+        """Numbers of stamped messages."""
+        for form, found in rows(batch, numbers, self.kind, self.topic, self._form):
+            self._form = form
+            yield found
 
     def _table(self, known: Layout, content: Bytes) -> Table:
         """A table whose head is the one before: its numbers, aligned."""
@@ -100,9 +107,9 @@ class BulkBatch:
             InputError: one doesn't fit its type.
         """
         held = self._batch.channel[numbers]
-        for number in np.unique(held):
-            channel = self._channels[int(number)]
-            yield from rows(self._batch, numbers[held == number], channel.kind, channel.topic)
+        for number in set(held.tolist()):
+            channel = self._channels[number]
+            yield from channel.rows(self._batch, numbers[held == number])
 
 
 class BulkReader:

@@ -43,44 +43,77 @@ class Rows:
     values: Array
 
 
-@dataclass(frozen=True)
-class _Form:
-    """Names, and where the numbers of each part begin (0 where there is none) and how many a part has."""
+@dataclass(frozen=True, eq=False)
+class Form:
+    """Where the numbers of messages of one form stand.
+
+    Attributes:
+        names: of the joints.
+        begins: where each part begins, 0 where there is none.
+        width: numbers of a part.
+        order: byte order, `<` or `>`.
+        template: a message of this form.
+        fixed: which of its bytes are the same in all.
+    """
 
     names: tuple[str, ...]
     begins: tuple[int, ...]
     width: int
     order: str
+    template: Bytes
+    fixed: Whole
+
+    def alike(self, block: Bytes) -> int:
+        """How many of the first messages, one per row, have this form."""
+        if block.shape[1] != len(self.template):
+            return 0
+        same = (block[:, self.fixed] == self.template[self.fixed]).all(axis=1)
+        return len(same) if same.all() else int(np.argmin(same))
 
 
-def _form(data: bytes, kind: str) -> _Form:
+def form_of(data: bytes, kind: str) -> Form:
+    """Walk through a message.
+
+    Raises:
+        KeyError, ValueError, struct.error: it isn't serialised as that type.
+    """
     cursor = Cursor(data)
     cursor.at += 8
     cursor.text()
-    if kind != JOINTS:
+    joints: tuple[str, ...] = ()
+    if kind == JOINTS:
+        joints = tuple(cursor.text() for _ in range(min(cursor.word(), len(data))))
+        width = len(joints)
+        begins = tuple(_part(cursor, width) for _ in range(3))
+    else:
         cursor.align(8)
-        count = 2 if kind == WRENCH else 1
-        return _checked(_Form((), tuple(cursor.at + 24 * i for i in range(count)), 3, cursor.order), len(data))
-    joints = tuple(cursor.text() for _ in range(min(cursor.word(), len(data))))
-    begins = []
-    for _part in range(3):
-        count = cursor.word()
-        if count not in (0, len(joints)):
-            raise ValueError(f"{count} numbers for {len(joints)} joints")
-        if count:
-            cursor.align(8)
-        begins.append(cursor.at if count else 0)
-        cursor.at += 8 * count
-    return _checked(_Form(joints, tuple(begins), len(joints), cursor.order), len(data))
-
-
-def _checked(form: _Form, size: int) -> _Form:
-    if max(form.begins) + 8 * form.width > size:
+        width = 3
+        begins = tuple(cursor.at + 24 * i for i in range(2 if kind == WRENCH else 1))
+    if max(begins) + 8 * width > len(data):
         raise ValueError("it ends within its numbers")
-    return form
+    fixed = np.ones(len(data), dtype=np.bool_)
+    fixed[_STAMP] = False
+    for begin in begins:
+        if begin:
+            fixed[begin : begin + 8 * width] = False
+    template = np.frombuffer(data, dtype=np.uint8)
+    return Form(joints, begins, width, cursor.order, template, np.flatnonzero(fixed))
 
 
-def rows(batch: Batch, chosen: Whole, kind: str, place: str) -> Iterator[Rows]:
+def _part(cursor: Cursor, joints: int) -> int:
+    """Where a part of a message about joints begins, 0 where it is left out."""
+    count = cursor.word()
+    if count not in (0, joints):
+        raise ValueError(f"{count} numbers for {joints} joints")
+    if not count:
+        return 0
+    cursor.align(8)
+    begin = cursor.at
+    cursor.at += 8 * count
+    return begin
+
+
+def rows(batch: Batch, chosen: Whole, kind: str, place: str, known: Form | None = None) -> Iterator[tuple[Form, Rows]]:
     """Numbers of some messages of a batch, in their order, as few pieces as their forms allow.
 
     Args:
@@ -88,6 +121,7 @@ def rows(batch: Batch, chosen: Whole, kind: str, place: str) -> Iterator[Rows]:
         chosen: which messages: indices, ascending.
         kind: one of TYPES.
         place: the topic, for the error.
+        known: the form of messages before, if any.
 
     Raises:
         InputError: a message isn't serialised as that type.
@@ -95,26 +129,21 @@ def rows(batch: Batch, chosen: Whole, kind: str, place: str) -> Iterator[Rows]:
     start, size = batch.start[chosen], batch.end[chosen] - batch.start[chosen]
     at = 0
     while at < len(chosen):
-        first = batch.data[start[at] : start[at] + size[at]].tobytes()
-        try:
-            form = _form(first, kind)
-        except (KeyError, ValueError, struct.error) as error:
-            raise InputError(f"{place}: message", f"a serialised {kind}", str(error)) from None
         alike = size[at:] == size[at]
-        stop = at + (int(np.argmin(alike)) if not alike.all() else len(alike))
+        stop = len(chosen) if alike.all() else at + int(np.argmin(alike))
         block = batch.data[start[at:stop, None] + np.arange(size[at])]
-        fixed = np.ones(size[at], dtype=np.bool_)
-        fixed[_STAMP] = False
-        for begin in form.begins:
-            if begin:
-                fixed[begin : begin + 8 * form.width] = False
-        same = (block[:, fixed] == block[0, fixed]).all(axis=1)
-        count = len(same) if same.all() else int(np.argmin(same))
-        yield _read(block[:count], form)
+        count = known.alike(block) if known is not None else 0
+        if known is None or not count:
+            try:
+                known = form_of(block[0].tobytes(), kind)
+            except (KeyError, ValueError, struct.error) as error:
+                raise InputError(f"{place}: message", f"a serialised {kind}", str(error)) from None
+            count = known.alike(block)
+        yield known, _read(block[:count], known)
         at += count
 
 
-def _read(block: Bytes, form: _Form) -> Rows:
+def _read(block: Bytes, form: Form) -> Rows:
     seconds = np.ascontiguousarray(block[:, 4:8]).view(form.order + "i4")[:, 0]
     nano = np.ascontiguousarray(block[:, 8:12]).view(form.order + "u4")[:, 0]
     values = np.full((len(block), len(form.begins), form.width), np.nan)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+
 import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.tables import Array, Table
 from nw_gear_monitor.review.decimate import Band, Envelope, Tail
+from nw_gear_monitor.review.kernels import moments
 from nw_gear_monitor.review.rundata import Gap, Waveform
 
 TAIL_SECONDS = 4.0
 SECTION_SECONDS = 16.0
 BATCH = 256
+FINE = 16384
+"""Bins of the envelopes of samples: a quarter of a second each in an hour."""
 LONGEST_HISTORY = 4000
 """Rows of indicators kept per mesh; every second one is dropped when there are more."""
 
@@ -23,6 +28,14 @@ class Series:
         self._envelope = Envelope(channels)
         self._rows: list[list[float]] = []
         self._last = -np.inf
+
+    def add_rows(self, time: Array, values: Array) -> None:
+        """Take samples, shapes (n,) and (n, channels); one that isn't later than all before is left out."""
+        self._flush()
+        latest = np.maximum.accumulate(np.append(self._last, time))
+        later = time > latest[:-1]
+        self._last = float(latest[-1])
+        self._envelope.add(time[later], values[later])
 
     def add(self, time: float, values: list[float]) -> None:
         """Take one sample; a sample that isn't later than the one before is left out."""
@@ -56,15 +69,16 @@ class WaveformCollector:
 
     def __init__(self, columns: tuple[str, ...]) -> None:
         self.columns = columns
-        self._x = [columns.index(f"x_{m}") for m in names.MESHES]
+        self._x = np.array([columns.index(f"x_{m}") for m in names.MESHES])
         self._phase = [columns.index(f"phase_{s}") for s in names.STAGES]
         self.bearings = tuple(b for b in names.BEARINGS if f"fx_{b}" in columns)
         self._fx = [columns.index(f"fx_{b}") for b in self.bearings]
         self._fy = [columns.index(f"fy_{b}") for b in self.bearings]
-        self._displacement = Envelope(names.MESHES)
-        self._bearing = Envelope(self.bearings)
+        self._displacement = Envelope(names.MESHES, FINE)
+        self._bearing = Envelope(self.bearings, FINE)
         self._frequency = Envelope(names.STAGES)
         self._tail = Tail(TAIL_SECONDS)
+        self.chunks: list[tuple[float, float, Hashable]] = []
         self._gaps: list[Gap] = []
         self._intervals = np.zeros(2)
         self.last = -np.inf
@@ -72,8 +86,8 @@ class WaveformCollector:
         self._shift: Array | None = None
         self._sums = np.zeros((2, len(names.MESHES)))
 
-    def add(self, data: Array) -> None:
-        """Take the rows of one block."""
+    def add(self, data: Array, place: Hashable = None) -> None:
+        """Take the rows of one block; `place` is where it can be read again."""
         time = data[:, 0]
         if not len(time):
             return
@@ -84,14 +98,21 @@ class WaveformCollector:
         if np.isfinite(self.last) and time[0] - self.last > 1.5 / self._rate():
             self._gaps.append(Gap(self.last, float(time[0] - self.last)))
         self.last = float(time[-1])
-        x = data[:, self._x]
-        self._displacement.add(time, x)
+        self._remember(float(time[0]), place)
+        self._displacement.add(time, data, self._x)
         if self.bearings:
             self._bearing.add(time, np.hypot(data[:, self._fx], data[:, self._fy]))
-        self._shift = x[0] if self._shift is None else self._shift
-        self._sums += (x - self._shift).sum(axis=0), ((x - self._shift) ** 2).sum(axis=0)
+        self._shift = data[0, self._x] if self._shift is None else self._shift
+        moments(data, self._x, self._shift, self._sums[0], self._sums[1])
         self._count += len(time)
         self._tail.add(data)
+
+    def _remember(self, first: float, place: Hashable) -> None:
+        """Note which stretch of time stands where."""
+        if self.chunks and self.chunks[-1][2] == place:
+            self.chunks[-1] = (self.chunks[-1][0], self.last, place)
+        elif place is not None:
+            self.chunks.append((first, self.last, place))
 
     def _rate(self) -> float:
         """Samples per second within blocks; far more exact than a single step of stamps near the time of day."""

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from nw_gear_common.tables import Array
+from nw_gear_monitor.records.chunks import Whole
+from nw_gear_monitor.review.kernels import fold
 
 FIRST_WIDTH = 2.0**-10
 """Width of the first bins (s); a power of two, so that halving and doubling stay exact."""
@@ -40,6 +42,23 @@ class Band:
         columns = [self.channels.index(c) for c in channels]
         return Band(channels, self.time, self.low[:, columns], self.high[:, columns], self.mean[:, columns], self.width)
 
+    def coarser(self, bins: int) -> Band:
+        """Neighbouring bins merged, until there are no more than `bins` in the span of time."""
+        factor = 1
+        while len(self.time) and (self.time[-1] - self.time[0]) / (self.width * factor) >= bins:
+            factor *= 2
+        if factor == 1:
+            return self
+        wide = self.width * factor
+        first = self.time[0] - 0.5 * self.width
+        index = np.floor((self.time - first) / wide + 1e-9).astype(np.int64)
+        starts = np.flatnonzero(np.diff(index, prepend=-1))
+        weights = np.diff(np.append(starts, len(index)))
+        mean: Array = np.add.reduceat(self.mean, starts, axis=0) / weights[:, None]
+        time: Array = first + (index[starts] + 0.5) * wide
+        low = np.minimum.reduceat(self.low, starts, axis=0)
+        return Band(self.channels, time, low, np.maximum.reduceat(self.high, starts, axis=0), mean, wide)
+
     def with_breaks(self, longest: float) -> Band:
         """Put a row of NaN between bins that are further apart than `longest` (s), so that no line bridges a gap."""
         after = np.flatnonzero(np.diff(self.time) > longest) + 1
@@ -62,35 +81,33 @@ class Envelope:
         self.channels = channels
         self._bins = bins
         self._width = FIRST_WIDTH
+        self._all = np.arange(len(channels))
         self._origin: float | None = None
         self._low = np.full((bins, len(channels)), np.inf)
         self._high = np.full((bins, len(channels)), -np.inf)
         self._sum = np.zeros((bins, len(channels)))
         self._count = np.zeros(bins)
 
-    def add(self, time: Array, values: Array) -> None:
+    def add(self, time: Array, values: Array, columns: Whole | None = None) -> None:
         """Take samples; rows with a NaN are left out.
 
         Args:
             time: (n,) in s, ascending, none before the first of all.
             values: (n, channels).
+            columns: where the channels stand in `values`, which may be wider (default: in order).
         """
-        good = np.isfinite(values).all(axis=1)
-        if not good.all():
-            time, values = time[good], values[good]
-        if not len(time):
-            return
+        chosen = self._all if columns is None else columns
         if self._origin is None:
-            self._origin = float(time[0])
-        while (time[-1] - self._origin) / self._width >= self._bins:
+            good = np.isfinite(values[:, chosen]).all(axis=1)
+            if not good.any():
+                return
+            self._origin = float(time[np.argmax(good)])
+        if len(time) and time[0] < self._origin:
+            time, values = time[time >= self._origin], values[time >= self._origin]
+        time, values = np.ascontiguousarray(time), np.ascontiguousarray(values)
+        while len(time) and (time[-1] - self._origin) / self._width >= self._bins:
             self._double()
-        index = np.floor((time - self._origin) / self._width).astype(np.int64)
-        starts = np.flatnonzero(np.diff(index, prepend=-1))
-        at = index[starts]
-        self._low[at] = np.minimum(self._low[at], np.minimum.reduceat(values, starts, axis=0))
-        self._high[at] = np.maximum(self._high[at], np.maximum.reduceat(values, starts, axis=0))
-        self._sum[at] += np.add.reduceat(values, starts, axis=0)
-        self._count[at] += np.diff(np.append(starts, len(index)))
+        fold(time, values, chosen, self._origin, self._width, self._low, self._high, self._sum, self._count)
 
     def _double(self) -> None:
         half = self._bins // 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.tables import Table
+from nw_gear_monitor.records.stamped import JOINTS, VECTOR, WRENCH, Rows
 from nw_gear_monitor.review.collect import SECTION_SECONDS, RowsCollector, Series, WaveformCollector, missing_columns
 from nw_gear_monitor.review.collect_spectra import SpectraCollector
 from nw_gear_monitor.review.collect_status import DiagnosticsCollector, TruthCollector
@@ -18,11 +19,23 @@ from nw_gear_monitor.review.rundata import RunData
 
 BACKWARD = 0.5
 """Seconds by which the waveform must step back to count as a restart of the run."""
+BEARING_OF_TOPIC = {names.bearing_topic(b): b for b in names.BEARINGS}
+VIEWS = {
+    names.WIND_SPEED: VECTOR,
+    names.SHAFTS_TOPIC: JOINTS,
+    names.MESH_TOPIC: JOINTS,
+    **dict.fromkeys(BEARING_OF_TOPIC, WRENCH),
+}
+"""Topics of stamped numbers, which come often and may be taken in bulk, and their types."""
 
 
 def _stamp(message: Any) -> float:
     stamp = message.header.stamp
     return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
+
+
+def _vector(value: Any) -> list[float]:
+    return [value.x, value.y, value.z]
 
 
 class Gatherer:
@@ -34,15 +47,13 @@ class Gatherer:
 
     def __init__(self) -> None:
         self.remarks: list[str] = []
+        self._place: Hashable = None
         self._restarts = 0
         self._fresh()
         self._handlers: dict[str, Callable[[float, Any], None]] = {
-            names.WIND_SPEED: self._wind_speed,
-            names.SHAFTS_TOPIC: self._shafts,
-            names.MESH_TOPIC: self._mesh,
             names.TRUTH: self._truth,
             names.DIAGNOSTICS: self._diagnostics,
-            **{names.bearing_topic(b): self._bearing(i) for i, b in enumerate(names.BEARINGS)},
+            **{topic: self._view(topic) for topic in VIEWS},
         }
         self._table_handlers: dict[str, Callable[[float, Table], None]] = {
             names.WAVEFORM: self._samples,
@@ -57,6 +68,11 @@ class Gatherer:
     def topics(self) -> frozenset[str]:
         """The topics that are of use, relative to the namespace."""
         return frozenset(self._handlers) | frozenset(self._table_handlers)
+
+    @property
+    def chunks(self) -> list[tuple[float, float, Any]]:
+        """First and last stamp (s) of the waveform in every place of the recording."""
+        return [] if self._waveform is None else self._waveform.chunks
 
     def _fresh(self) -> None:
         self._first, self._last = np.inf, -np.inf
@@ -73,9 +89,23 @@ class Gatherer:
         self._states = DiagnosticsCollector()
         self._known = TruthCollector()
 
-    def take(self, topic: str, log_time: float, value: Any) -> None:
-        """Take a table or a decoded message of one of `topics`; what isn't of that topic's kind is left out."""
+    def starts_over(self, topic: str, value: Any) -> bool:
+        """Whether a message is the first of another run: a waveform that steps back in time."""
+        if topic != names.WAVEFORM or not isinstance(value, Table) or not len(value) or self._waveform is None:
+            return False
+        return "time" in value.columns and float(value.column("time")[0]) < self._waveform.last - BACKWARD
+
+    def take(self, topic: str, log_time: float, value: Any, place: Hashable = None) -> None:
+        """Take a table or a decoded message of one of `topics`; what isn't of that topic's kind is left out.
+
+        Args:
+            topic: relative to the namespace.
+            log_time: when it was recorded, s.
+            value: its content.
+            place: where it can be read again.
+        """
         if isinstance(value, Table):
+            self._place = place
             if topic in self._table_handlers and len(value):
                 self._table_handlers[topic](log_time, value)
         elif topic in self._handlers:
@@ -86,25 +116,36 @@ class Gatherer:
     def _seen(self, first: float, last: float) -> None:
         self._first, self._last = min(self._first, first), max(self._last, last)
 
-    def _wind_speed(self, _log_time: float, message: Any) -> None:
-        self._wind.add(_stamp(message), [message.vector.x])
+    def take_rows(self, topic: str, rows: Rows) -> None:
+        """Take many messages of a topic of `VIEWS` at once."""
+        if topic == names.WIND_SPEED:
+            self._wind.add_rows(rows.time, rows.values[:, 0, :1])
+        elif topic == names.SHAFTS_TOPIC and rows.names == names.SHAFTS:
+            self._seen(float(rows.time.min()), float(rows.time.max()))
+            self._speed.add_rows(rows.time, rows.values[:, 1])
+            self._torque.add_rows(rows.time, rows.values[:, 2])
+        elif topic == names.MESH_TOPIC and rows.names == names.MESHES:
+            self._mesh_force.add_rows(rows.time, rows.values[:, 2])
+        elif topic in BEARING_OF_TOPIC:
+            force = rows.values[:, 0]
+            bearing = BEARING_OF_TOPIC[topic]
+            self._radial[bearing].add_rows(rows.time, np.hypot(force[:, :1], force[:, 1:2]))
+            self._axial[bearing].add_rows(rows.time, force[:, 2:])
 
-    def _shafts(self, _log_time: float, message: Any) -> None:
-        time = _stamp(message)
-        self._seen(time, time)
-        self._speed.add(time, list(message.velocity))
-        self._torque.add(time, list(message.effort))
-
-    def _mesh(self, _log_time: float, message: Any) -> None:
-        self._mesh_force.add(_stamp(message), list(message.effort))
-
-    def _bearing(self, index: int) -> Callable[[float, Any], None]:
-        bearing = names.BEARINGS[index]
+    def _view(self, topic: str) -> Callable[[float, Any], None]:
+        """Take one message of such a topic."""
 
         def take(_log_time: float, message: Any) -> None:
-            force, time = message.wrench.force, _stamp(message)
-            self._radial[bearing].add(time, [float(np.hypot(force.x, force.y))])
-            self._axial[bearing].add(time, [force.z])
+            joints: tuple[str, ...] = ()
+            if topic == names.WIND_SPEED:
+                parts = [_vector(message.vector)]
+            elif topic in BEARING_OF_TOPIC:
+                parts = [_vector(message.wrench.force)]
+            else:
+                joints = tuple(message.name)
+                every = (message.position, message.velocity, message.effort)
+                parts = [list(part) if len(part) == len(joints) else [np.nan] * len(joints) for part in every]
+            self.take_rows(topic, Rows(joints, np.array([_stamp(message)]), np.array([parts], dtype=np.float64)))
 
         return take
 
@@ -116,7 +157,7 @@ class Gatherer:
 
     def _samples(self, _log_time: float, table: Table) -> None:
         time = table.column("time")
-        if self._waveform is not None and time[0] < self._waveform.last - BACKWARD:
+        if self.starts_over(names.WAVEFORM, table):
             self._restarts += 1
             self._fresh()
         missing = missing_columns(table.columns)
@@ -128,7 +169,7 @@ class Gatherer:
             self._waveform = WaveformCollector(table.columns)
         if time[0] > self._waveform.last:
             self._seen(float(time[0]), float(time[-1]))
-            self._waveform.add(table.data)
+            self._waveform.add(table.data, self._place)
 
     def _foreign(self, missing: str) -> None:
         """Say once that the waveform is of a machine that this report can't draw."""

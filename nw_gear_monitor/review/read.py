@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
+
+import numpy as np
 
 from nw_gear_common import names
 from nw_gear_common.errors import InputError
+from nw_gear_monitor.records.bulk import BulkBatch, BulkReader
+from nw_gear_monitor.records.chunks import Whole
 from nw_gear_monitor.records.reader import Recording
-from nw_gear_monitor.review.gather import Gatherer
+from nw_gear_monitor.review.gather import VIEWS, Gatherer
 from nw_gear_monitor.review.rundata import RunData
 
 SAY_EVERY = 2.0
 """Seconds between two reports of progress."""
 
+Progress = Callable[[str], None]
 
-def read(folder: Path, progress: Callable[[str], None]) -> RunData:
+
+def read(folder: Path, progress: Progress) -> RunData:
     """Read what the report shows.
 
     Args:
@@ -28,26 +34,67 @@ def read(folder: Path, progress: Callable[[str], None]) -> RunData:
         InputError: it is no recording, can't be repaired, or holds nothing of this suite.
     """
     gatherer = Gatherer()
-    with Recording.open(folder, repair=True) as recording:
-        known = gatherer.topics
-        space = namespace(recording.topics, known)
-        wanted = {topic: relative for topic in recording.topics if (relative := relative_to(topic, space)) in known}
-        if not wanted:
-            raise InputError(
-                str(folder), f"topics of nw_gear such as {names.NAMESPACE}/{names.WAVEFORM}", "none of them"
-            )
+    with Recording.open(folder, repair=True) as recording, BulkReader(recording) as reader:
+        wanted = chosen(recording, gatherer)
         if not recording.complete:
             gatherer.remarks.append(f"The recording is damaged: {recording.damage}.")
         length = max(recording.duration, 1e-9)
         due = time.monotonic()
-        for topic, log_time, value in recording.read(wanted):
-            gatherer.take(wanted[topic], log_time, value)
+        for batch in reader.batches(wanted):
+            log_time = feed(gatherer, batch, wanted)
             if time.monotonic() >= due:
                 due = time.monotonic() + SAY_EVERY
                 progress(f"reading {folder}: {100 * min(1.0, (log_time - recording.start) / length):.0f} %")
         bounds = (recording.start, recording.end)
         topics = {name: (topic.type, topic.messages) for name, topic in recording.topics.items()}
         return gatherer.result(folder, recording.complete, bounds, topics, recording.provenance)
+
+
+def chosen(recording: Recording, gatherer: Gatherer) -> dict[str, str]:
+    """Topics of the recording that the report uses, each with its name relative to the namespace.
+
+    Raises:
+        InputError: there is none.
+    """
+    known = gatherer.topics
+    space = namespace(recording.topics, known)
+    wanted = {topic: relative for topic in recording.topics if (relative := relative_to(topic, space)) in known}
+    if not wanted:
+        expected = f"topics of nw_gear such as {names.NAMESPACE}/{names.WAVEFORM}"
+        raise InputError(str(recording.path), expected, "none of them")
+    for topic, relative in list(wanted.items()):
+        kind = recording.topics[topic].type
+        if relative in VIEWS and kind != VIEWS[relative]:
+            gatherer.remarks.append(f"Left out: {topic} is of type {kind}, not {VIEWS[relative]}.")
+            del wanted[topic]
+    return wanted
+
+
+def feed(gatherer: Gatherer, batch: BulkBatch, wanted: Mapping[str, str]) -> float:
+    """Give the messages of a chunk to the gatherer; returns the log time (s) of the last one.
+
+    Messages of views are taken in bulk. Only where the run starts over does their place among the others matter.
+    """
+    views = {topic: batch.of(topic) for topic, relative in wanted.items() if relative in VIEWS}
+    log_time = 0.0
+
+    def flush(before: int | None = None) -> None:
+        for topic, numbers in views.items():
+            split = len(numbers) if before is None else int(np.searchsorted(numbers, before))
+            if split:
+                for rows in batch.rows(topic, numbers[:split]):
+                    gatherer.take_rows(wanted[topic], rows)
+                views[topic] = numbers[split:]
+
+    others: Whole = batch.of(*(topic for topic, relative in wanted.items() if relative not in VIEWS))
+    for number in others.tolist():
+        relative, value = wanted[batch.topic(number)], batch.value(number)
+        if gatherer.starts_over(relative, value):
+            flush(number)
+        log_time = batch.log_time(number)
+        gatherer.take(relative, log_time, value, batch.place)
+    flush()
+    return log_time
 
 
 def namespace(topics: Collection[str], known: Collection[str]) -> str:
