@@ -23,16 +23,16 @@ class Discovery:
         ears: subscriptions.
         intake: records.
         selected: which topics are wanted.
-        clocked: subscribe to `/clock` in any case.
+        clock: topic that is subscribed to in any case; none where time isn't simulated.
     """
 
-    def __init__(self, node: Node, ears: Ears, intake: Intake, selected: Selection, clocked: bool) -> None:
+    def __init__(self, node: Node, ears: Ears, intake: Intake, selected: Selection, clock: str | None) -> None:
         self.skipped: dict[str, str] = {}
         self._node = node
         self._ears = ears
         self._intake = intake
         self._selected = selected
-        self._clocked = clocked
+        self._clock = clock
         self._publishers: dict[str, int] = {}
         self._requested: dict[str, tuple[type, QoSProfile]] = {}
 
@@ -41,7 +41,7 @@ class Discovery:
         present = [topic for topic, _types in self._node.get_topic_names_and_types()]
         # Whoever waits for a subscriber of the waveform finds all other topics subscribed by then.
         for topic in sorted(present, key=lambda name: (name.endswith(f"/{names.WAVEFORM}"), name)):
-            if topic in self.skipped or not (self._selected(topic) or (self._clocked and topic == names.CLOCK)):
+            if topic in self.skipped or not (self._selected(topic) or topic == self._clock):
                 continue
             count = self._node.count_publishers(topic)
             if count and count != self._publishers.get(topic):

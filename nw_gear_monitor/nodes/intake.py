@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from nw_gear_common import names
 from nw_gear_monitor.records.metadata import TopicEntry
 from nw_gear_monitor.records.writer import RecordingWriter
 
@@ -49,19 +48,19 @@ class Recorded:
 class Intake:
     """Writes messages to a recording.
 
-    The log time of a message is when it arrived. In simulated time it is the last `/clock` that arrived before it, and
-    messages that come before the first `/clock` wait for it.
+    The log time of a message is when it arrived. In simulated time it is the last clock that arrived before it, and
+    messages that come before the first clock wait for it.
 
     Args:
         writer: the recording.
-        simulated: whether simulated time counts.
+        clock: topic of the clock in simulated time; None where wall time counts.
     """
 
-    def __init__(self, writer: RecordingWriter, simulated: bool) -> None:
+    def __init__(self, writer: RecordingWriter, clock: str | None) -> None:
         self.paused = False
         self.left_out = 0
         self._writer = writer
-        self._simulated = simulated
+        self._clock_topic = clock
         self._clock: int | None = None
         self._topics: dict[str, Recorded] = {}
         self._held: list[Incoming] = []
@@ -89,7 +88,7 @@ class Intake:
     def take(self, messages: Iterable[Incoming]) -> None:
         """Write messages, which come in the order in which they arrived."""
         for message in messages:
-            if self._simulated and message.topic == names.CLOCK:
+            if message.topic == self._clock_topic:
                 seconds, nanoseconds = _CLOCK.unpack_from(message.data)
                 self._clock = seconds * _NANO + nanoseconds
                 self.release()
@@ -99,7 +98,7 @@ class Intake:
             recorded.follow(message.sequence)
             if self.paused:
                 self.left_out += 1
-            elif self._simulated and self._clock is None and self._held_bytes < MOST_HELD:
+            elif self._clock_topic and self._clock is None and self._held_bytes < MOST_HELD:
                 self._held.append(message)
                 self._held_bytes += len(message.data)
             else:
@@ -112,5 +111,5 @@ class Intake:
             self._write(self._topics[message.topic], message)
 
     def _write(self, recorded: Recorded, message: Incoming) -> None:
-        log_time = (self._clock or 0) if self._simulated else message.received
+        log_time = (self._clock or 0) if self._clock_topic else message.received
         self._writer.write(recorded.number, message.data, log_time, message.sent, message.sequence)

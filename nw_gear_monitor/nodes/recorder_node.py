@@ -18,6 +18,7 @@ from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 
+from nw_gear_common import names
 from nw_gear_common.diagnostics import OK, WARN, Diagnostics
 from nw_gear_common.errors import InputError
 from nw_gear_common.quantities import quantities, quantity
@@ -67,12 +68,13 @@ class RecorderNode(Node):
         if not self._settings.uri:
             raise InputError("parameter uri", "a new folder for the recording", "none")
         simulated = bool(self.get_parameter("use_sim_time").value)
-        selected = Selection(self._settings.topics, self.get_namespace())
+        clock = self.resolve_topic_name(names.CLOCK)
+        selected = Selection(self._settings.topics, self.get_namespace(), clock)
         self._diagnostics = Diagnostics(self)
         self._writer = RecordingWriter(Path(self._settings.uri).absolute(), self._settings.compression)
-        self._intake = Intake(self._writer, simulated)
+        self._intake = Intake(self._writer, clock if simulated else None)
         self._ears = Ears(self)
-        self._discovery = Discovery(self, self._ears, self._intake, selected, simulated)
+        self._discovery = Discovery(self, self._ears, self._intake, selected, clock if simulated else None)
         self._survey = ParameterSurvey(self)
         self._announced = self._failed = False
         self._guarded(self._begin, command_line)

@@ -30,6 +30,7 @@ from nw_gear_monitor.records.qos import Qos
 from nw_gear_monitor.records.reader import RawMessage, Recording
 from nw_gear_monitor.records.selection import Selection
 
+CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 CLOCK_EVERY = 0.02
 """Longest time between two `/clock` messages, in wall time and in recorded time (s)."""
 
@@ -79,7 +80,8 @@ class ReplayNode(Node):
             expected = f"less than the recording's {self._recording.duration:.3f} s"
             raise InputError("parameter start_offset", expected, f"{self._settings.start_offset:g}")
         self._timeline = Timeline(self._settings.rate)
-        chosen = [t for t in self._recording.topics if t != names.CLOCK and (not self._settings.topics or selected(t))]
+        kept = [name for name, topic in self._recording.topics.items() if topic.type != CLOCK_TYPE]
+        chosen = [name for name in kept if not self._settings.topics or selected(name)]
         self._outlets = self._advertise(chosen)
         if not self._outlets:
             raise InputError("parameter topics", "one of " + ", ".join(self._recording.topics), "none of them")

@@ -16,15 +16,19 @@ class Selection:
     plain name is a regular expression that matches itself.
 
     Args:
-        entries: names or regular expressions; none = everything in the namespace, `/diagnostics` and `/clock`.
+        entries: names or regular expressions; none = everything in the namespace, `/diagnostics` and the clock.
         namespace: of the node.
+        clock: topic of the clock that the node follows.
         place: for the error.
 
     Raises:
         InputError: an entry isn't a regular expression.
     """
 
-    def __init__(self, entries: Sequence[str], namespace: str, place: str = "parameter topics") -> None:
+    def __init__(
+        self, entries: Sequence[str], namespace: str, clock: str = names.CLOCK, place: str = "parameter topics"
+    ) -> None:
+        self._shared = (names.DIAGNOSTICS, clock)
         self._prefix = namespace.rstrip("/") + "/"
         self._patterns: list[re.Pattern[str]] = []
         for i, entry in enumerate(entry for entry in entries if entry):
@@ -37,6 +41,6 @@ class Selection:
         """Whether a topic (absolute name) is wanted."""
         inside = topic.startswith(self._prefix)
         if not self._patterns:
-            return inside or topic in (names.DIAGNOSTICS, names.CLOCK)
+            return inside or topic in self._shared
         forms = (topic, topic.removeprefix(self._prefix)) if inside else (topic,)
         return any(pattern.fullmatch(form) for pattern in self._patterns for form in forms)

@@ -48,9 +48,11 @@ class DiagnosticsCollector:
         self._spans: dict[str, list[Span]] = {}
         self.values: dict[str, dict[str, str]] = {}
 
-    def add(self, time: float, array: Any) -> None:
-        """Take one DiagnosticArray."""
+    def add(self, time: float, array: Any, namespace: str = "") -> None:
+        """Take one DiagnosticArray; where a namespace is given, what nodes of another one say is left out."""
         for status in array.status:
+            if namespace and status.hardware_id not in ("", namespace):
+                continue
             values = {pair.key: pair.value for pair in status.values}
             self.values[status.name] = values
             level = status.level[0] if isinstance(status.level, bytes) else int(status.level)

@@ -43,9 +43,13 @@ class Gatherer:
 
     The run that the report shows is the last one in the recording: a waveform that steps back in time (reset, restart)
     starts over, and a remark says so.
+
+    Attributes:
+        namespace: of the suite, where known: diagnostics of other ones are left out.
     """
 
     def __init__(self) -> None:
+        self.namespace = ""
         self.remarks: list[str] = []
         self._place: Hashable = None
         self._restarts = 0
@@ -153,7 +157,7 @@ class Gatherer:
         self._known.add(message)
 
     def _diagnostics(self, _log_time: float, message: Any) -> None:
-        self._states.add(_stamp(message), message)
+        self._states.add(_stamp(message), message, self.namespace)
 
     def _samples(self, _log_time: float, table: Table) -> None:
         time = table.column("time")

@@ -41,10 +41,10 @@ def read(folder: Path, progress: Progress) -> RunData:
         length = max(recording.duration, 1e-9)
         due = time.monotonic()
         for batch in reader.batches(wanted):
-            log_time = feed(gatherer, batch, wanted)
+            feed(gatherer, batch, wanted)
             if time.monotonic() >= due:
                 due = time.monotonic() + SAY_EVERY
-                progress(f"reading {folder}: {100 * min(1.0, (log_time - recording.start) / length):.0f} %")
+                progress(f"reading {folder}: {100 * min(1.0, (batch.last - recording.start) / length):.0f} %")
         bounds = (recording.start, recording.end)
         topics = {name: (topic.type, topic.messages) for name, topic in recording.topics.items()}
         return gatherer.result(folder, recording.complete, bounds, topics, recording.provenance)
@@ -57,7 +57,7 @@ def chosen(recording: Recording, gatherer: Gatherer) -> dict[str, str]:
         InputError: there is none.
     """
     known = gatherer.topics
-    space = namespace(recording.topics, known)
+    space = gatherer.namespace = namespace(recording.topics, known)
     wanted = {topic: relative for topic in recording.topics if (relative := relative_to(topic, space)) in known}
     if not wanted:
         expected = f"topics of nw_gear such as {names.NAMESPACE}/{names.WAVEFORM}"
@@ -70,13 +70,12 @@ def chosen(recording: Recording, gatherer: Gatherer) -> dict[str, str]:
     return wanted
 
 
-def feed(gatherer: Gatherer, batch: BulkBatch, wanted: Mapping[str, str]) -> float:
-    """Give the messages of a chunk to the gatherer; returns the log time (s) of the last one.
+def feed(gatherer: Gatherer, batch: BulkBatch, wanted: Mapping[str, str]) -> None:
+    """Give the messages of a chunk to the gatherer.
 
     Messages of views are taken in bulk. Only where the run starts over does their place among the others matter.
     """
     views = {topic: batch.of(topic) for topic, relative in wanted.items() if relative in VIEWS}
-    log_time = 0.0
 
     def flush(before: int | None = None) -> None:
         for topic, numbers in views.items():
@@ -91,10 +90,8 @@ def feed(gatherer: Gatherer, batch: BulkBatch, wanted: Mapping[str, str]) -> flo
         relative, value = wanted[batch.topic(number)], batch.value(number)
         if gatherer.starts_over(relative, value):
             flush(number)
-        log_time = batch.log_time(number)
-        gatherer.take(relative, log_time, value, batch.place)
+        gatherer.take(relative, batch.log_time(number), value, batch.place)
     flush()
-    return log_time
 
 
 def namespace(topics: Collection[str], known: Collection[str]) -> str:

@@ -23,7 +23,7 @@ class Recorder:
 
     def __init__(self, folder, simulated=False):
         self.writer = RecordingWriter(folder)
-        self.intake = Intake(self.writer, simulated)
+        self.intake = Intake(self.writer, "/clock" if simulated else None)
         self._arrived = 1000
 
     def begin(self, topic, publishers=1):
