@@ -37,6 +37,13 @@ def given(name: str, kind: type) -> ParameterValue:
     return ParameterValue(LaunchConfiguration(name), value_type=kind)
 
 
+# Suites in other namespaces keep time by clocks of their own.
+CLOCK = PythonExpression(
+    ["'/clock' if '", LaunchConfiguration("namespace"), f"'.strip('/') == '{PACKAGE}' else '/' + '",
+     LaunchConfiguration("namespace"), "'.strip('/') + '/clock'"]
+)  # fmt: skip
+
+
 def wanted(name: str) -> PythonExpression:
     """Whether a launch argument says true."""
     return PythonExpression(["'", LaunchConfiguration(name), "'.lower() in ('true', '1')"])
@@ -50,7 +57,8 @@ def named(name: str) -> PythonExpression:
 def node(executable: str, parameters: dict, **kwargs) -> Node:
     """One node of this package."""
     files = [LaunchConfiguration("params_file"), parameters]
-    return Node(package=PACKAGE, executable=executable, parameters=files, output="screen", **kwargs)
+    clock = [("/clock", CLOCK)]
+    return Node(package=PACKAGE, executable=executable, parameters=files, remappings=clock, output="screen", **kwargs)
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -42,6 +42,13 @@ def given(name: str, kind: type) -> ParameterValue:
     return ParameterValue(LaunchConfiguration(name), value_type=kind)
 
 
+# Suites in other namespaces keep time by clocks of their own.
+CLOCK = PythonExpression(
+    ["'/clock' if '", LaunchConfiguration("namespace"), f"'.strip('/') == '{PACKAGE}' else '/' + '",
+     LaunchConfiguration("namespace"), "'.strip('/') + '/clock'"]
+)  # fmt: skip
+
+
 def node(executable: str, parameters: dict, **kwargs) -> Node:
     """One node of this package in the common namespace."""
     return Node(
@@ -49,6 +56,7 @@ def node(executable: str, parameters: dict, **kwargs) -> Node:
         executable=executable,
         namespace=LaunchConfiguration("namespace"),
         parameters=[LaunchConfiguration("params_file"), parameters],
+        remappings=[("/clock", CLOCK)],
         output="screen",
         **kwargs,
     )

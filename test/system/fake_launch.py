@@ -109,6 +109,7 @@ class Node:
     namespace: Any
     parameters: list[Any]
     output: str
+    remappings: list[tuple[Any, Any]] = field(default_factory=list)
     condition: IfCondition | None = None
     on_exit: Any = None
 

@@ -96,6 +96,15 @@ def test_replay_records_what_the_monitor_says_anew(described):
     check_against_the_nodes(nodes)
 
 
+@pytest.mark.parametrize(("name", "more"), [("simulate.launch.py", {}), ("replay.launch.py", {"uri": "runs/one"})])
+def test_another_namespace_has_a_clock_of_its_own(described, name, more):
+    description = described(name)
+    for namespace, clock in ((None, "/clock"), ("nw_gear", "/clock"), ("/turbine_7", "/turbine_7/clock")):
+        context = description.arguments(**more, **({"namespace": namespace} if namespace else {}))
+        for node in description.nodes(context):
+            assert [(a, context.text(b)) for a, b in node.remappings] == [("/clock", clock)]
+
+
 def test_replay_starts_a_replay(described):
     nodes = started(described("replay.launch.py"), uri="runs/one", rate="2.0", loop="true")
     assert set(nodes) == {"replay_node"}
