@@ -77,6 +77,11 @@ class BulkBatch:
         self._batch = batch
         self._channels = channels
 
+    @property
+    def last(self) -> float:
+        """When its last message was recorded, s."""
+        return _NANO * float(self._batch.log_time[-1])
+
     def of(self, *topics: str) -> Whole:
         """Numbers of the messages of some topics, in their order."""
         wanted = [number for number, channel in self._channels.items() if channel.topic in topics]
