@@ -98,13 +98,13 @@ def _check_output(output: Path | None) -> None:
         return
     if output.suffix.lower() not in (*PAGES, ".json"):
         raise InputError(f"-o {output}", "a file named *.html or *.json", "another")
-    from nw_gear_monitor.review.command import check_output  # noqa: PLC0415
+    from nw_gear_monitor.review.output import check_output  # noqa: PLC0415
 
     check_output(output)
 
 
 def _write(output: Path, file: Path, results: Sequence[Result], found: dict[str, Any]) -> None:
-    from nw_gear_monitor.review.command import write  # noqa: PLC0415
+    from nw_gear_monitor.review.output import write  # noqa: PLC0415
 
     if output.suffix.lower() == ".json":
         write(output, json.dumps(found, allow_nan=False, indent=1) + "\n")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +51,7 @@ class Gatherer:
     def __init__(self) -> None:
         self.namespace = ""
         self.remarks: list[str] = []
-        self._place: Hashable = None
+        self._place: Any = None
         self._restarts = 0
         self._fresh()
         self._handlers: dict[str, Callable[[float, Any], None]] = {
@@ -99,7 +99,7 @@ class Gatherer:
             return False
         return "time" in value.columns and float(value.column("time")[0]) < self._waveform.last - BACKWARD
 
-    def take(self, topic: str, log_time: float, value: Any, place: Hashable = None) -> None:
+    def take(self, topic: str, log_time: float, value: Any, place: Any = None) -> None:
         """Take a table or a decoded message of one of `topics`; what isn't of that topic's kind is left out.
 
         Args:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from nw_gear_common.errors import InputError
 from nw_gear_monitor.records.bulk import BulkBatch, BulkReader
 from nw_gear_monitor.records.chunks import Whole
 from nw_gear_monitor.records.reader import Recording
+from nw_gear_monitor.review import windows
 from nw_gear_monitor.review.gather import VIEWS, Gatherer
 from nw_gear_monitor.review.rundata import RunData
 
@@ -23,15 +25,16 @@ SAY_EVERY = 2.0
 Progress = Callable[[str], None]
 
 
-def read(folder: Path, progress: Progress) -> RunData:
+def read(folder: Path, progress: Progress, zoom: Sequence[tuple[float, float]] = ()) -> RunData:
     """Read what the report shows.
 
     Args:
         folder: the recording; a damaged one is read through a temporary repaired copy.
         progress: called now and then with a line of words.
+        zoom: begin and end of stretches to hold sample by sample, s since the start of the run.
 
     Raises:
-        InputError: it is no recording, can't be repaired, or holds nothing of this suite.
+        InputError: it is no recording, can't be repaired, or holds nothing of this suite; a stretch isn't in it.
     """
     gatherer = Gatherer()
     with Recording.open(folder, repair=True) as recording, BulkReader(recording) as reader:
@@ -47,7 +50,11 @@ def read(folder: Path, progress: Progress) -> RunData:
                 progress(f"reading {folder}: {100 * min(1.0, (batch.last - recording.start) / length):.0f} %")
         bounds = (recording.start, recording.end)
         topics = {name: (topic.type, topic.messages) for name, topic in recording.topics.items()}
-        return gatherer.result(folder, recording.complete, bounds, topics, recording.provenance)
+        run = gatherer.result(folder, recording.complete, bounds, topics, recording.provenance)
+        waveform = next((topic for topic, relative in wanted.items() if relative == names.WAVEFORM), "")
+        choices = [*windows.asked(run, zoom), *windows.worth(run)]
+        found = [windows.fetch(reader, waveform, gatherer.chunks, choice) for choice in choices]
+        return dataclasses.replace(run, windows=tuple(w for w in (*found, windows.tail(run)) if w is not None))
 
 
 def chosen(recording: Recording, gatherer: Gatherer) -> dict[str, str]:

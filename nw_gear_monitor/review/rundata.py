@@ -51,6 +51,14 @@ class Gap:
 
 
 @dataclass(frozen=True, eq=False)
+class Window:
+    """A stretch of the waveform sample by sample: why it is shown, and its samples."""
+
+    title: str
+    samples: Table
+
+
+@dataclass(frozen=True, eq=False)
 class Waveform:
     """The waveform of the run, reduced.
 
@@ -125,6 +133,7 @@ class RunData:
         truth: last values of the simulator's truth.
         truth_means: mean over the run of those that are numbers.
         truth_message: its message.
+        windows: stretches that are shown sample by sample.
     """
 
     source: Path
@@ -151,6 +160,7 @@ class RunData:
     truth: Mapping[str, str] = field(default_factory=dict)
     truth_means: Mapping[str, float] = field(default_factory=dict)
     truth_message: str = ""
+    windows: tuple[Window, ...] = ()
 
     @property
     def duration(self) -> float:
