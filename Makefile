@@ -6,11 +6,13 @@
 #   make test-all  lint, and every test
 #   make lint      style, types, layers
 #   make bench     speed and accuracy on this machine; the nodes measured live  (ARGS="--config FILE")
+#   make soak      the whole suite for hours, each node restarted once  (HOURS=0.1)
 #   make peers     other people's chaos indicators, which bench then measures beside ours
 #   make docs      generated tables, then HTML in build/docs
 
 PYTHON ?= python3
 DURATION ?= 30
+HOURS ?= 1
 ARGS ?=
 
 VENV := .venv
@@ -20,7 +22,7 @@ COMPILED := $(VENV)/.compiled
 NODE_MODULES := test/node/node_modules/.package-lock.json
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-all lint format bench peers docs lock clean
+.PHONY: help setup demo test test-all lint format bench soak peers docs lock clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -73,6 +75,9 @@ bench: $(COMPILED)
 	$(BIN)/nw_gear bench $(ARGS)
 	mkdir -p build
 	$(BIN)/python benchmark/live.py -o build/live.json
+
+soak: $(COMPILED)
+	$(BIN)/python benchmark/soak/run.py --hours $(HOURS) $(ARGS)
 
 PEER := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint requirements/lock.txt --requirement
 
