@@ -24,8 +24,14 @@ from nw_gear_monitor.dashboard.template import STYLE, WATCH, page_template
 
 SLOW = 0.5
 """Seconds between two updates of text, states and indicators."""
-UNANSWERED = 10
+KNOCK = 0.25
+"""Seconds between two questions to a browser that doesn't answer."""
+UNANSWERED = 4
 """Updates that may be under way to a browser; one that is slower gets fewer, and then everything that is new."""
+ANSWER = """
+const n = cb_obj.data.n;  // answered once it is painted: never in a tab that nobody sees
+requestAnimationFrame(() => setTimeout(() => { answer.data = {n}; }, 0));
+"""
 
 
 @dataclass(frozen=True)
@@ -70,9 +76,10 @@ class Page:
         parts = ("banner", "states_text", "truth_text", "alarms_text")
         self._texts = {name: Div(text="", stylesheets=[style], sizing_mode="stretch_width") for name in parts}
         self._pulse, self._answer = ColumnDataSource({"n": [0]}), ColumnDataSource({"n": [0]})
-        self._pulse.js_on_change("data", CustomJS(args={"answer": self._answer}, code="answer.data = {n: this.data.n}"))
+        self._pulse.js_on_change("data", CustomJS(args={"answer": self._answer}, code=ANSWER))
         self._texts["banner"].tags = [self._pulse]
-        self._sent, self._next_slow = 0, 0.0
+        self._sent = UNANSWERED  # nothing is sent before the browser has answered once
+        self._next_slow = self._next_knock = 0.0
         self._build(document)
 
     def _build(self, document: Document) -> None:
@@ -104,14 +111,24 @@ class Page:
 
     def update(self) -> None:
         """Send what is new; nothing while the browser is still busy with what it got."""
+        now = time.monotonic()
         if self.unanswered >= UNANSWERED:
+            self._knock(now)
             return
         self._scrolling.update(self._show.feed)
         self._operation.update(self._show.feed)
-        now = time.monotonic()
         if now >= self._next_slow:
             self._next_slow = now + SLOW
             self._slow(now)
+        self._beat()
+
+    def _knock(self, now: float) -> None:
+        """Ask a browser that doesn't answer whether it is there: what was sent before it was connected got lost."""
+        if now >= self._next_knock:
+            self._next_knock = now + KNOCK
+            self._beat()
+
+    def _beat(self) -> None:
         self._sent += 1
         self._pulse.data = {"n": [self._sent]}
 

@@ -53,7 +53,7 @@ class Controls:
     # --- building ---------------------------------------------------------------------------------------------------
 
     def _button(self, node: str, label: str, make: Callable[[], Request], kind: str = "default") -> Button:
-        button = Button(label=label, button_type=kind, width=WIDTH, name=label, align="end")
+        button = Button(label=label, button_type=kind, name=label, align="end", width_policy="min")
 
         def pressed() -> None:
             try:

@@ -124,6 +124,7 @@ class Server:
     def start(self, show: Show) -> None:
         """Begin to serve."""
         logging.getLogger("bokeh").setLevel(logging.WARNING)
+        logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)  # a browser that has gone is no trouble
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
         self._thread = threading.Thread(target=self._work, args=(show,), name="server", daemon=True)
         self._thread.start()

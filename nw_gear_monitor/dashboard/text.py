@@ -27,7 +27,7 @@ TEMPLATES = {
 <p class="nodes">{% for part in parts %}{{ chip(part.text, part.colour) }}{% endfor %}</p>""",
     "states": """{% from "chip" import chip %}
 <table><thead><tr><th>part</th><th>state</th><th>level</th><th>reason</th></tr></thead><tbody>
-{% for row in rows %}<tr><td>{{ row.part }}</td><td>{{ chip(row.state, row.colour) }}</td>
+{% for row in rows %}<tr><td class="part">{{ row.part }}</td><td>{{ chip(row.state, row.colour) }}</td>
 <td>{{ chip(row.level, row.level_colour) }}</td><td class="reason">{{ row.reason }}</td></tr>{% endfor %}
 </tbody></table>{% if not rows %}<p class="soft">No monitor has said anything about a stage yet.</p>{% endif %}""",
     "alarms": """{% from "chip" import chip %}
@@ -56,6 +56,7 @@ table { border-collapse: collapse; margin: 2px 0 8px; font-size: 13.5px; }
 th, td { text-align: left; padding: 3px 12px 3px 0; border-bottom: 1px solid #dfe2e6; vertical-align: top; }
 th { font-weight: 600; color: #5b626d; white-space: nowrap; }
 td.n { text-align: right; font-variant-numeric: tabular-nums; }
+td.part { white-space: nowrap; }
 td.reason { overflow-wrap: anywhere; }
 .chip { display: inline-block; padding: 0 8px; margin: 0 6px 3px 0; border-radius: 9px;
   border: 1px solid #00000022; white-space: nowrap; }

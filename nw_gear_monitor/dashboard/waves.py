@@ -11,8 +11,8 @@ from nw_gear_monitor.review.collect import missing_columns
 from nw_gear_monitor.review.decimate import Band, Tail
 from nw_gear_monitor.review.rundata import Waveform
 
-BINS = 2000
-"""Bins over the time that is shown: more than the figures have pixels."""
+BINS = 1000
+"""Bins over the time that is shown, about as many as the figures have pixels."""
 TAIL_SECONDS = 2.0
 BLOCKS = 1200
 BACKWARD = 0.5

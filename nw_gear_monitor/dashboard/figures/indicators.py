@@ -17,7 +17,7 @@ from nw_gear_monitor.indicators.window import Column
 from nw_gear_monitor.review.figures import style
 from nw_gear_monitor.review.figures.indicators import DASHES, wording
 
-MESH_FIRST = ("rms", "residual_ratio", "zero_one_k", "kurtosis")
+MESH_FIRST = ("rms", "residual_ratio", "tonal_share", "kurtosis")
 BEARING_FIRST = ("rms", "kurtosis")
 
 
@@ -73,6 +73,7 @@ class Chosen:
             for place, (rows, colour, dash) in lines.items()
         }
         style.add_legend(self.figure, [(place, [line]) for place, line in self._lines.items()])
+        self._rows = {place: rows for place, (rows, _colour, _dash) in lines.items()}
         self._label(name)
         self.select.on_change("value", self._choose)
 
@@ -83,8 +84,16 @@ class Chosen:
 
     def _label(self, name: str) -> None:
         words = wording(name, self._columns)
-        self.figure.title.text = f"{self._what}: {words.title}"
         self.figure.yaxis.axis_label = words.axis
+        self.look()
+
+    def look(self) -> None:
+        """Say so where the indicator has no value anywhere: its window isn't full, or the state has none."""
+        name = self.select.value
+        known = any(np.isfinite(rows.source.data[name]).any() for rows in self._rows.values())
+        title = f"{self._what}: {wording(name, self._columns).title}" + ("" if known else " (no value yet)")
+        if self.figure.title.text != title:
+            self.figure.title.text = title
 
 
 class IndicatorsPanel:
@@ -104,6 +113,7 @@ class IndicatorsPanel:
         }
         figures = [Chosen(name, registry.COLUMNS, meshes, shared) for name in MESH_FIRST]
         figures += [Chosen(name, bearing_registry.COLUMNS, bearings, shared) for name in BEARING_FIRST]
+        self._figures = figures
         self.roots: dict[str, Model] = {}
         for i, chosen in enumerate(figures, start=1):
             self.roots |= {f"indicator_{i}": chosen.figure, f"choice_{i}": chosen.select}
@@ -112,3 +122,5 @@ class IndicatorsPanel:
         """Send what is new."""
         for place, rows in self._rows.items():
             rows.update(feed, place)
+        for chosen in self._figures:
+            chosen.look()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from bokeh.models import ColumnDataSource, Model, Range1d
+from bokeh.models import ColumnDataSource, LinearScale, Model, Range1d
 
 from nw_gear_common import names
 from nw_gear_common.tables import Array
@@ -44,7 +44,8 @@ class SpectrumFigure:
     def _draw(self, meshes: tuple[str, ...]) -> None:
         fig = self.figure
         fig.extra_y_ranges = {"share": Range1d(0.0, 1.0)}
-        fig.vspan(x="x", source=self._lines, line_color="colour", line_dash="dotted", line_width=1)
+        fig.extra_y_scales = {"share": LinearScale()}
+        fig.vspan(x="x", source=self._lines, line_color="colour", line_dash="dotted", line_width=1, line_alpha=0.6)
         fig.text(
             x="x",
             y="y",

@@ -45,6 +45,7 @@ class StatesFigure:
             items.append(("period-n" if state == "period-2" else state, [square]))
         style.add_legend(fig, items)
         fig.legend[0].click_policy = "none"
+        fig.legend[0].glyph_width = fig.legend[0].glyph_height = fig.legend[0].label_height = 18
         self._version = (-1, -1)
         self.roots: dict[str, Model] = {"states": fig}
 
