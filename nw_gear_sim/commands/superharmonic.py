@@ -1,10 +1,9 @@
-"""`nw_gear study superharmonic`: amplitudes of the third superharmonic of a gear pair under delayed feedback."""
+"""`nw_gear study superharmonic`: what it is asked, and which of its studies answers."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -12,10 +11,8 @@ from nw_gear_common.errors import InputError
 from nw_gear_sim.commands import axes
 from nw_gear_sim.commands.point import JsonOption
 
-if TYPE_CHECKING:
-    from nw_gear_sim.superharmonic.family import Curve
-
 Given = Annotated[float | None, typer.Option(help="In the place of the paper's value.")]
+SUFFIXES = (".html", ".csv", ".parquet")
 
 
 def superharmonic(
@@ -34,38 +31,83 @@ def superharmonic(
     exact: Annotated[
         bool, typer.Option("--exact", help="Add the branch of the delay equation itself, by harmonic balance.")
     ] = False,
+    sweep: Annotated[
+        bool, typer.Option("--sweep", help="Integrate in time, frequency stepped up and down: hysteresis, jumps.")
+    ] = False,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option("--map", help="Twice: gains, delays (tau: both) or zeta as axes of a chart of mu and folds."),
+    ] = None,
+    restoring: Annotated[
+        str, typer.Option("--restoring", help="cubic, or backlash: the gap itself in the delay equation.")
+    ] = "cubic",
+    slope: Annotated[
+        float | None, typer.Option("--slope", help="c k_m beside the gap (default: the one whose fit the cubic is).")
+    ] = None,
+    fit: Annotated[
+        float | None, typer.Option("--fit", help="Half width of the interval of a new cubic fit of the backlash.")
+    ] = None,
+    periods: Annotated[int | None, typer.Option("--periods", help="Periods at most for a step of --sweep.")] = None,
     zeta: Given = None,
     g_d: Given = None,
     g_v: Given = None,
     tau_d: Given = None,
     tau_v: Given = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="File: .html draws, .csv lists.")] = None,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option("-o", "--output", help="File, repeatable: .html draws, .csv and .parquet list."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find amplitudes, stability, folds and jumps near the superharmonic resonance 3 omega = w0."""
-    from nw_gear_sim.superharmonic import family as families  # noqa: PLC0415 - numba and scipy only where needed
-    from nw_gear_sim.superharmonic.pair import gear_pair  # noqa: PLC0415
+    """Find amplitudes, stability, folds and jumps near the superharmonic resonance 3 omega = w0.
 
-    if output is not None and output.suffix not in (".html", ".csv"):
-        raise InputError(f"-o {output}", "a name that ends in .html or .csv", output.suffix or "no suffix")
+    \b
+    nw_gear study superharmonic --stage I --family zeta=0.02,0.06,0.1 --exact -o curves.html
+    nw_gear study superharmonic --stage I --zeta 0.04 --sweep -o sweep.html
+    nw_gear study superharmonic --map g_d=-0.4:0.4:161 --map g_v=-0.4:0.4:161 -o gains.html
+    nw_gear study superharmonic --restoring backlash -o gap.html
+    nw_gear study superharmonic --fit 15 -o fit.html
+    """  # noqa: D301 - click's mark for lines that stay as they are
+    from nw_gear_sim.superharmonic.question import ask  # noqa: PLC0415 - numba and scipy only where needed
+
+    files = _outputs(output)
+    kinds = {"--over": bool(over), "--sweep": sweep, "--map": bool(map_)}
+    asked = [name for name, wanted in kinds.items() if wanted]
+    if len(asked) > 1:
+        raise InputError(asked[1], f"one of {', '.join(kinds)} at a time", " and ".join(asked))
     given = {"zeta": zeta, "g_d": g_d, "g_v": g_v, "tau_d": tau_d, "tau_v": tau_v}
-    pair = gear_pair(stage).having(**{name: value for name, value in given.items() if value is not None})
+    question = ask(stage, mode, given, restoring=restoring, slope=slope, fit=fit)
     frequencies = _frequencies(omega)
-    curves = families.curves(
-        pair,
-        mode,
-        frequencies,
-        over=axes.axis("--over", over) if over else None,
-        family=axes.axis("--family", family) if family else None,
-        exact=exact,
-    )
-    shown = _as_object(curves, stage, mode)
-    if output is not None:
-        shown["files"] = [_write(output, curves, mode)]
-    if as_json:
-        print(json.dumps(shown))
+    if map_:
+        _refuse("--map", family=family, restoring=restoring == "backlash", periods=periods)
+        from nw_gear_sim.commands.superharmonic_map import chart  # noqa: PLC0415 - as above
+
+        chart(question, map_, frequencies, exact=exact, files=files, as_json=as_json)
+    elif sweep:
+        _refuse("--sweep", family=family)
+        from nw_gear_sim.commands.superharmonic_sweep import sweeps  # noqa: PLC0415 - as above
+
+        sweeps(question, frequencies, periods=periods, files=files, as_json=as_json)
     else:
-        _print(curves, shown)
+        _refuse("curves", periods=periods)
+        _refuse("--over", restoring=bool(over) and restoring == "backlash")
+        from nw_gear_sim.commands.superharmonic_curves import curves  # noqa: PLC0415 - as above
+
+        curves(question, frequencies, over=over, family=family, exact=exact, files=files, as_json=as_json)
+
+
+def _refuse(study: str, **options: Any) -> None:
+    """Refuse options that have no meaning in a study."""
+    for name, value in options.items():
+        if value:
+            raise InputError(f"--{name}", f"nothing with {study}: it has no meaning there", str(value))
+
+
+def _outputs(paths: list[Path] | None) -> list[Path]:
+    for path in paths or []:
+        if path.suffix not in SUFFIXES:
+            raise InputError(f"-o {path}", "a name that ends in " + ", ".join(SUFFIXES), path.suffix or "no suffix")
+    return paths or []
 
 
 def _frequencies(texts: list[str] | None) -> Any:
@@ -75,50 +117,3 @@ def _frequencies(texts: list[str] | None) -> Any:
     if not texts:
         return None
     return np.unique(np.concatenate([axes.values("--omega", text) for text in texts]))
-
-
-def _as_object(curves: list[Curve], stage: str, mode: str) -> dict[str, Any]:
-    listed = [curve.as_object() for curve in curves]
-    first = listed[0]
-    return {
-        "stage": stage,
-        "mode": mode,
-        "trust": max(curve["trust"] for curve in listed),
-        "points": first["points"],
-        "folds": first["folds"],
-        "curves": listed,
-    }
-
-
-def _write(path: Path, curves: list[Curve], mode: str) -> str:
-    from nw_gear_sim.superharmonic.family import as_csv  # noqa: PLC0415 - see superharmonic
-
-    if path.suffix == ".csv":
-        text = as_csv(curves)
-    else:
-        from nw_gear_sim.drawings.superharmonic_page import page  # noqa: PLC0415
-
-        text = page(curves, mode)
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"-o {path}", "a file that can be written", error.strerror or str(error)) from None
-    return str(path)
-
-
-def _print(curves: list[Curve], shown: dict[str, Any]) -> None:
-    from nw_gear_sim.commands.tables import show  # noqa: PLC0415 - rich only where it is needed
-
-    rows = []
-    for curve in curves:
-        best, at = curve.highest()
-        folds = ", ".join(f"{fold:.6g}" for fold in curve.branches.folds) or "none"
-        least = "" if curve.exact is None else f"{max(point.alpha for point in curve.exact):.4g}"
-        trust = curve.as_object()["trust"]
-        rows.append([curve.name, f"{best:.5g}", f"{at:.6g}", least, folds, f"{trust:.3g}"])
-    columns = ["curve", "largest alpha", "at", "of the delay equation", "folds at", "trust"]
-    show(f"Superharmonic resonance of stage {shown['stage']}, {shown['mode']}", columns, rows)
-    if shown["trust"] > 1.0:
-        print(
-            "\nTrust above 1: the first order is off by more than about 5 % here; --exact gives the delay equation's."
-        )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,23 +9,14 @@ import numpy as np
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
+from nw_gear_sim.superharmonic.exact import ExactBranch, exact_branch
 from nw_gear_sim.superharmonic.firstorder import OMEGA, TRUSTED, Branches, branches, coefficients
-from nw_gear_sim.superharmonic.floquet import is_stable
-from nw_gear_sim.superharmonic.harmonics import Balance
+from nw_gear_sim.superharmonic.jumps import Jump, of_branches
 from nw_gear_sim.superharmonic.pair import PARAMETERS, GearPair
 
 POINTS = 801
-ARC = 0.1
-"""Longest step along an exact branch, in amplitude or in frequency over eps."""
-
-
-@dataclass(frozen=True)
-class ExactPoint:
-    """A periodic orbit of the delay equation: frequency, amplitude of its third harmonic, whether it is stable."""
-
-    omega: float
-    alpha: float
-    stable: bool
+BACKLASH_RANGE = (0.94, 1.12)
+"""Frequencies over w0/3 between which the resonance with a true backlash is shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +29,7 @@ class Curve:
         over: what it runs over: `omega` or a parameter.
         omega: excitation frequency of a curve over a parameter.
         branches: the first-order solution; exact: the delay equation's branch over the frequency, where wanted.
+        jumps: of the first order, at its folds.
     """
 
     name: str
@@ -47,7 +37,13 @@ class Curve:
     over: str
     omega: float | None
     branches: Branches
-    exact: tuple[ExactPoint, ...] | None
+    exact: ExactBranch | None
+    jumps: tuple[Jump, ...]
+
+    @property
+    def trust(self) -> float:
+        """The largest eps 3 q Lam^2/w0 over its limit: above 1 the first order is off by more than about 5 %."""
+        return float(np.max(self.branches.trust)) / TRUSTED
 
     def highest(self) -> tuple[float, float]:
         """Return the largest amplitude of the first order, and where."""
@@ -55,7 +51,7 @@ class Curve:
         return float(np.nanmax(self.branches.alpha[k])), float(self.branches.values[k])
 
     def as_object(self) -> dict[str, Any]:
-        """Return what JSON shows; `trust` is the largest eps 3 q Lam^2/w0 over its limit."""
+        """Return what JSON shows."""
         b = self.branches
         points = [
             {
@@ -71,23 +67,25 @@ class Curve:
         shown: dict[str, Any] = {
             "name": self.name,
             "over": self.over,
-            "trust": float(np.max(b.trust)) / TRUSTED,
+            "trust": self.trust,
             "points": points,
             "folds": list(b.folds),
+            "jumps": [jump.as_object() for jump in self.jumps],
         }
         if self.exact is not None:
-            shown["exact"] = [{"omega": p.omega, "alpha": p.alpha, "stable": p.stable} for p in self.exact]
+            shown.update(self.exact.as_object())
         return shown
 
 
 def usual_frequencies(pair: GearPair, mode: str) -> Array:
-    """Return frequencies that show the whole resonance: twice its width to either side of backbone and peak."""
+    """Return frequencies that show the resonance, twice its width to either side of backbone and peak, about w0/3."""
     c = coefficients(pair, pair.w0 / 3.0, mode)
     mu, bend = max(abs(float(c.mu)), 1e-3), float(c.bend)
     foot = pair.w0 / 3.0 - pair.eps * float(c.shift) / 3.0
     rise = min(bend * float(c.drive / mu) ** 2, 20.0)
     width = 6.0 * max(mu, 0.05)
-    return np.linspace(foot - pair.eps * width / 3.0, foot + pair.eps * (rise + width) / 3.0, POINTS)
+    low, high = foot - pair.eps * width / 3.0, foot + pair.eps * (rise + width) / 3.0
+    return np.linspace(max(low, pair.w0 / 6.0), min(high, pair.w0 / 2.0), POINTS)
 
 
 def curves(
@@ -98,6 +96,7 @@ def curves(
     over: tuple[str, Array] | None = None,
     family: tuple[str, Array] | None = None,
     exact: bool = False,
+    slope: float | None = None,
 ) -> list[Curve]:
     """Return a family of curves.
 
@@ -107,6 +106,7 @@ def curves(
         over: parameter and its values in the place of the frequency: one curve for each frequency.
         family: parameter and the values that have a curve each.
         exact: add the branch of the delay equation to curves over the frequency.
+        slope: of a true backlash, c k_m, that the exact branch has in the place of the cubic.
 
     Raises:
         InputError: unknown parameter or mode, or combinations that make no curve.
@@ -118,38 +118,45 @@ def curves(
     if over is not None:
         if frequencies is None or exact or family is not None:
             raise InputError("--over", "with --omega, and without --exact and --family", over[0])
-        return [
-            Curve(f"omega = {w:g}", pair, over[0], float(w), branches(pair, *over, omega=float(w), mode=mode), None)
-            for w in frequencies
-        ]
+        return [_curve(f"omega = {w:g}", pair, over, float(w), mode) for w in frequencies]
     name, listed = family if family is not None else ("", np.array([np.nan]))
     made = []
     for value in listed:
         member = pair.having(**{name: float(value)}) if name else pair
-        axis = usual_frequencies(member, mode) if frequencies is None else frequencies
+        axis = usual(member, mode, slope) if frequencies is None else frequencies
         label = f"{name} = {value:g}" if name else f"stage {pair.stage}"
-        branch = _exact(member, axis) if exact else None
-        made.append(Curve(label, member, OMEGA, None, branches(member, OMEGA, axis, mode=mode), branch))
+        branch = exact_branch(member, axis, slope) if exact else None
+        made.append(_curve(label, member, (OMEGA, axis), None, mode, branch))
     return made
 
 
-def _exact(pair: GearPair, axis: Array) -> tuple[ExactPoint, ...]:
-    if len(axis) < 2:
-        raise InputError("--omega", "a range for --exact", "one frequency")
-    balance = Balance(pair)
-    orbits = balance.follow(balance.solve(float(axis[0])), float(axis[-1]), ARC)
-    return tuple(ExactPoint(o.omega, o.amplitude(3), is_stable(balance, o)) for o in orbits)
+def usual(pair: GearPair, mode: str, slope: float | None) -> Array:
+    """Return the frequencies that show the resonance; with a backlash it is wider and lies elsewhere."""
+    near = usual_frequencies(pair, mode)
+    if slope is None:
+        return near
+    low, high = (factor * pair.w0 / 3.0 for factor in BACKLASH_RANGE)
+    return np.linspace(min(low, near[0]), max(high, near[-1]), POINTS)
 
 
-def as_csv(made: list[Curve]) -> str:
-    """Return one line per amplitude: curve, method, what it runs over, amplitude, stability."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["curve", "method", "over", "value", "alpha", "stable"])
+def _curve(
+    name: str, pair: GearPair, over: tuple[str, Array], omega: float | None, mode: str, exact: ExactBranch | None = None
+) -> Curve:
+    found = branches(pair, *over, omega=omega, mode=mode)
+    at = {
+        fold: coefficients(pair, fold, mode) if omega is None else coefficients(pair, omega, mode, **{over[0]: fold})
+        for fold in found.folds
+    }
+    return Curve(name, pair, over[0], omega, found, exact, of_branches(found, at))
+
+
+def table(made: list[Curve]) -> dict[str, list[Any]]:
+    """Return columns with one row per amplitude: curve, method, what it runs over, amplitude, stability."""
+    rows: list[tuple[Any, ...]] = []
     for curve in made:
         for point in curve.as_object()["points"]:
-            value = point[curve.over]
-            writer.writerow([curve.name, "first order", curve.over, value, point["alpha"], point["stable"]])
-        for orbit in curve.exact or ():
-            writer.writerow([curve.name, "harmonic balance", OMEGA, orbit.omega, orbit.alpha, orbit.stable])
-    return text.getvalue()
+            rows.append((curve.name, "first order", curve.over, point[curve.over], point["alpha"], point["stable"]))
+        for orbit in () if curve.exact is None else curve.exact.points:
+            rows.append((curve.name, "harmonic balance", OMEGA, orbit.omega, orbit.alpha, orbit.stable))
+    names = ("curve", "method", "over", "value", "alpha", "stable")
+    return {name: [row[k] for row in rows] for k, name in enumerate(names)}

@@ -7,6 +7,11 @@ A disturbance y = exp(lambda t) sum of Y_k exp(i k nu t) obeys T(lambda) Y = 0 w
 K_n the Fourier coefficients of the stiffness along the orbit. Without the delays this is a quadratic eigenvalue
 problem; its two exponents of the oscillator start Newton's method on the whole. A delay adds infinitely many more
 exponents; with a feedback of order eps they lie far to the left.
+
+With the true backlash K(t) jumps where flanks touch or part. The force itself is continuous, so a disturbance crosses
+these instants without a jump (its saltation matrix is 1), and T holds as it stands; but its series converges slowly,
+and `variation` is the better way there. The exponents say nothing where the orbit grazes: where it touches a flank, x
+= +-1, with no speed.
 """
 
 from __future__ import annotations
@@ -16,7 +21,10 @@ import numpy.typing as npt
 import scipy.linalg
 
 from nw_gear_common.tables import Array
+from nw_gear_sim.superharmonic.contact import contacts
 from nw_gear_sim.superharmonic.harmonics import Balance, Orbit, basis
+from nw_gear_sim.superharmonic.restoring import Backlash
+from nw_gear_sim.superharmonic.variation import exponents_in_time
 
 Complex = npt.NDArray[np.complex128]
 
@@ -46,17 +54,39 @@ def exponents(balance: Balance, orbit: Orbit) -> Complex:
 
 
 def is_stable(balance: Balance, orbit: Orbit) -> bool:
-    """Return whether both exponents have negative real parts."""
-    return bool(exponents(balance, orbit)[0].real < 0.0)
+    """Return whether both exponents have negative real parts; with a backlash they are integrated (`variation`)."""
+    found = exponents_in_time if isinstance(balance.restoring, Backlash) else exponents
+    return bool(found(balance, orbit)[0].real < 0.0)
 
 
 def _stiffness(balance: Balance, orbit: Orbit, order: int) -> Complex:
     """Return the Toeplitz matrix of the Fourier coefficients of the stiffness, (2 order + 1, 2 order + 1)."""
+    k = np.arange(2 * order + 1)
+    if isinstance(balance.restoring, Backlash):
+        spectrum = _of_contact(orbit, 2 * order) * balance.restoring.slope
+        return np.asarray(spectrum[(k[:, None] - k[None, :]) % len(spectrum)], dtype=complex)
     angles = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
     along: Array = balance.restoring.stiffness(basis(orbit.order, angles) @ orbit.coefficients)
     spectrum = np.fft.fft(along) / SAMPLES
-    k = np.arange(2 * order + 1)
     return np.asarray(spectrum[(k[:, None] - k[None, :]) % SAMPLES], dtype=complex)
+
+
+def _of_contact(orbit: Orbit, most: int) -> Complex:
+    """Return the Fourier coefficients 0..most, -most..-1 of what is 1 where the flanks touch, |x| > 1, and 0 elsewhere.
+
+    It jumps where x = +-1; the coefficients follow from these angles in closed form. Sampling would leave errors of the
+    order of one sample in each jump.
+    """
+    angles, touching = contacts(orbit)
+    n = np.concatenate([np.arange(most + 1), np.arange(-most, 0)])
+    if len(angles) == 0:
+        return np.where(n == 0, float(touching), 0.0).astype(complex)
+    ends = np.append(angles[1:], angles[0] + 2.0 * np.pi)
+    begins, ends = angles[0 if touching else 1 :: 2], ends[0 if touching else 1 :: 2]
+    whole = np.where(n == 0, 1, n)[:, None]
+    turned = (np.exp(-1j * whole * ends) - np.exp(-1j * whole * begins)) / (-2j * np.pi * whole)
+    found: Complex = np.where(n == 0, np.sum(ends - begins) / (2.0 * np.pi), turned.sum(axis=1))
+    return found
 
 
 def _frozen(balance: Balance, orbit: Orbit, stiffness: Complex, order: int) -> list[tuple[complex, Complex]]:

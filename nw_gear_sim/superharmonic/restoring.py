@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.optimize import brentq
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
+
+STEEPEST, WIDEST = 2.2434, 1000.0
+"""Half widths of intervals between which the fitted cubic has a stiffness above 0 in the middle, and bends upwards."""
 
 
 class Restoring(Protocol):
@@ -60,12 +64,15 @@ class Fit:
         interval: X, half the width of the interval of the fit.
         delta_1, delta_2: coefficients of x and x^3.
         error: root mean square error over that of the backlash function itself.
+        rms: root mean square error; greatest: largest error on the interval; both in the unit of x, half the backlash.
     """
 
     interval: float
     delta_1: float
     delta_2: float
     error: float
+    rms: float
+    greatest: float
 
 
 def unit_backlash(x: Array) -> Array:
@@ -91,4 +98,37 @@ def fit_cubic(interval: float) -> Fit:
     d1, d2 = np.linalg.solve(powers, [moment(1), moment(3)])
     square = (interval - 1.0) ** 3 / 3.0
     left = square - d1 * moment(1) - d2 * moment(3)
-    return Fit(interval, float(d1), float(d2), float(np.sqrt(max(left, 0.0) / square)))
+    rms = float(np.sqrt(max(left, 0.0) / interval))
+    return Fit(
+        interval, float(d1), float(d2), float(np.sqrt(max(left, 0.0) / square)), rms, _greatest(interval, d1, d2)
+    )
+
+
+def interval_of(ratio: float) -> float:
+    """Return the half width X of the interval on which the fitted cubic has delta_2/delta_1 = ratio.
+
+    The ratio falls from infinity at X = 2.2433, where delta_1 = 0, as 1/X^3; so there is one X.
+
+    Raises:
+        InputError: no such cubic is the fit of a backlash on an interval up to X = 1000.
+    """
+
+    def excess(interval: float) -> float:
+        fit = fit_cubic(interval)
+        return fit.delta_2 - ratio * fit.delta_1
+
+    if not excess(WIDEST) < 0.0:
+        raise InputError(
+            "delta_2/delta_1 of the cubic", f"that of a fit up to {WIDEST:g} half backlashes", f"{ratio:g}"
+        )
+    return float(brentq(excess, STEEPEST, WIDEST, xtol=1e-12))
+
+
+def _greatest(interval: float, d1: float, d2: float) -> float:
+    """Return the largest error: at an end of the interval or of the gap, or where the slopes are the same."""
+    flat_inside, flat_outside = -d1 / (3.0 * d2), (1.0 - d1) / (3.0 * d2)
+    places = [1.0, interval]
+    places += [np.sqrt(flat_inside)] if 0.0 < flat_inside < 1.0 else []
+    places += [np.sqrt(flat_outside)] if 1.0 < flat_outside < interval**2 else []
+    x = np.array(places)
+    return float(np.max(np.abs(d1 * x + d2 * x**3 - unit_backlash(x))))

@@ -94,8 +94,8 @@ def test_claims_as_the_contract_says(run):
         (["superharmonic", "--family", "zeta"], "NAME="),
         (["superharmonic", "--exact", "--omega", "0.33"], "a range"),
         (["superharmonic", "--mode", "paper"], "corrected or paper_eq75"),
-        (["superharmonic", "-o", "curve.png"], ".html or .csv"),
-        (["superharmonic", "-o", "/nowhere/curve.csv"], "written"),
+        (["superharmonic", "-o", "curve.png"], ".html, .csv, .parquet"),
+        (["superharmonic", "-o", "/nowhere/curve.csv"], "room for the results"),
         (["claims", "--section", "7"], "--section"),
     ],
 )
