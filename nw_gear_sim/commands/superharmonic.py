@@ -38,6 +38,10 @@ def superharmonic(
         list[str] | None,
         typer.Option("--map", help="Twice: gains, delays (tau: both) or zeta as axes of a chart of mu and folds."),
     ] = None,
+    basin: Annotated[
+        list[str] | None,
+        typer.Option("--basin", help="Twice, x=... and v=...: which motion each start ends in, at one --omega."),
+    ] = None,
     restoring: Annotated[
         str, typer.Option("--restoring", help="cubic, or backlash: the gap itself in the delay equation.")
     ] = "cubic",
@@ -47,7 +51,13 @@ def superharmonic(
     fit: Annotated[
         float | None, typer.Option("--fit", help="Half width of the interval of a new cubic fit of the backlash.")
     ] = None,
-    periods: Annotated[int | None, typer.Option("--periods", help="Periods at most for a step of --sweep.")] = None,
+    history: Annotated[
+        str, typer.Option("--history", help="Before a --basin's start: constant (at rest) or free (swinging at w0).")
+    ] = "constant",
+    periods: Annotated[
+        int | None, typer.Option("--periods", help="Periods at most for a step of --sweep or a start of --basin.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option("--workers", help="Threads of --basin (default: cores).")] = None,
     zeta: Given = None,
     g_d: Given = None,
     g_v: Given = None,
@@ -65,13 +75,14 @@ def superharmonic(
     nw_gear study superharmonic --stage I --family zeta=0.02,0.06,0.1 --exact -o curves.html
     nw_gear study superharmonic --stage I --zeta 0.04 --sweep -o sweep.html
     nw_gear study superharmonic --map g_d=-0.4:0.4:161 --map g_v=-0.4:0.4:161 -o gains.html
+    nw_gear study superharmonic --stage I --zeta 0.04 --omega 0.1593 --basin x=-8:8:81 --basin v=-3:3:81 -o basin.html
     nw_gear study superharmonic --restoring backlash -o gap.html
     nw_gear study superharmonic --fit 15 -o fit.html
     """  # noqa: D301 - click's mark for lines that stay as they are
     from nw_gear_sim.superharmonic.question import ask  # noqa: PLC0415 - numba and scipy only where needed
 
     files = _outputs(output)
-    kinds = {"--over": bool(over), "--sweep": sweep, "--map": bool(map_)}
+    kinds = {"--over": bool(over), "--sweep": sweep, "--map": bool(map_), "--basin": bool(basin)}
     asked = [name for name, wanted in kinds.items() if wanted]
     if len(asked) > 1:
         raise InputError(asked[1], f"one of {', '.join(kinds)} at a time", " and ".join(asked))
@@ -79,17 +90,25 @@ def superharmonic(
     question = ask(stage, mode, given, restoring=restoring, slope=slope, fit=fit)
     frequencies = _frequencies(omega)
     if map_:
-        _refuse("--map", family=family, restoring=restoring == "backlash", periods=periods)
+        _refuse("--map", family=family, restoring=restoring == "backlash", periods=periods, workers=workers)
         from nw_gear_sim.commands.superharmonic_map import chart  # noqa: PLC0415 - as above
 
         chart(question, map_, frequencies, exact=exact, files=files, as_json=as_json)
+    elif basin:
+        _refuse("--basin", family=family, exact=exact)
+        from nw_gear_sim.commands.superharmonic_basin import basins  # noqa: PLC0415 - as above
+
+        basins(
+            question, basin, frequencies, history=history, periods=periods, workers=workers, files=files,
+            as_json=as_json,
+        )  # fmt: skip
     elif sweep:
-        _refuse("--sweep", family=family)
+        _refuse("--sweep", family=family, workers=workers)
         from nw_gear_sim.commands.superharmonic_sweep import sweeps  # noqa: PLC0415 - as above
 
         sweeps(question, frequencies, periods=periods, files=files, as_json=as_json)
     else:
-        _refuse("curves", periods=periods)
+        _refuse("curves", periods=periods, workers=workers)
         _refuse("--over", restoring=bool(over) and restoring == "backlash")
         from nw_gear_sim.commands.superharmonic_curves import curves  # noqa: PLC0415 - as above
 
