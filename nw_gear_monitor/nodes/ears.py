@@ -8,9 +8,12 @@ whoever owns them takes everything that has arrived, a few times per second: the
 from __future__ import annotations
 
 import importlib
+import importlib.util
+import re
 import time
 from bisect import bisect_left
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import rclpy
@@ -21,7 +24,10 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from nw_gear_common.errors import InputError
 from nw_gear_monitor.nodes.intake import Incoming
+from nw_gear_monitor.records.plain import one_line
 from nw_gear_monitor.records.qos import Qos
+
+_TYPE = re.compile(r"(?P<package>[a-z][a-z0-9_]*)/(?P<kind>msg|srv|action)/(?P<name>[A-Z][A-Za-z0-9_]*)")
 
 DEPTH = 500
 """Messages of one topic that may wait in the middleware: 25 s of waveform."""
@@ -40,6 +46,7 @@ class Ears:
         )
         self._subscriptions: dict[str, Subscription] = {}
         self._kept: list[Incoming] = []
+        self._began = 0
 
     def listen(self, topic: str, kind: type, qos: QoSProfile) -> None:
         """Subscribe; a subscription of the same topic is replaced.
@@ -58,9 +65,11 @@ class Ears:
         """What has arrived since the last call, the earliest first.
 
         What arrives during the call is kept back until the next one, so that the order holds over calls as well,
-        unless `everything` is wanted.
+        unless `everything` is wanted. Where the machine's clock was set back since the last call, nothing is kept back,
+        and what seems to come from the future comes first: it arrived before.
         """
         began = time.time_ns()
+        set_back, self._began = began < self._began, began
         found, self._kept = self._kept, []
         for topic, subscription in self._subscriptions.items():
             with subscription.handle:
@@ -71,8 +80,8 @@ class Ears:
                     data, info = taken
                     sequence = info["publication_sequence_number"] or 0
                     found.append(Incoming(topic, info["received_timestamp"], info["source_timestamp"], sequence, data))
-        found.sort(key=lambda message: message.received)
-        if not everything:
+        found.sort(key=lambda message: (set_back and message.received <= began, message.received))
+        if not (everything or set_back):
             split = bisect_left(found, began, key=lambda message: message.received)
             found, self._kept = found[:split], found[split:]
         return found
@@ -92,13 +101,24 @@ def message_class(kind: str) -> Any:
     Raises:
         InputError: the package or the type isn't installed here.
     """
-    module, _, name = kind.replace("/", ".").rpartition(".")
+    match = _TYPE.fullmatch(kind)
+    if match is None:
+        raise InputError(f"type {one_line(kind)}", "a message type (package/msg/Name)", "another form")
     try:
-        found = getattr(importlib.import_module(module), name)
+        if not _is_interfaces(match["package"]):
+            raise ImportError
+        found = getattr(importlib.import_module(f"{match['package']}.{match['kind']}"), match["name"])
         found.get_fields_and_field_types()
     except (ImportError, AttributeError, ValueError):
         raise InputError(f"type {kind}", "a message type that is installed here", "an unknown one") from None
     return found
+
+
+def _is_interfaces(package: str) -> bool:
+    """Whether a package of that name has messages; it isn't imported for that, whoever named it."""
+    spec = importlib.util.find_spec(package)
+    places = (spec.submodule_search_locations if spec else None) or ()
+    return any(Path(place, "msg", "__init__.py").is_file() for place in places)
 
 
 def offered(publishers: Sequence[TopicEndpointInfo]) -> tuple[Qos, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -31,12 +32,25 @@ class Incoming(NamedTuple):
 
 @dataclass
 class Recorded:
-    """One topic that is recorded: its number in the file, and what the running numbers of its messages have told."""
+    """One topic that is recorded: its number in the file, and what is missing of it.
+
+    Attributes:
+        number: of the topic in the recording.
+        publishers: how many there are.
+        last: running number of the last message.
+        lost: messages that never arrived, told by the gaps in the running numbers of a single publisher.
+        left_out: messages that came during a pause.
+        other_type: messages that came while its publishers had another type than the recorded one.
+        foreign: whether they have now.
+    """
 
     number: int
     publishers: int
     last: int = 0
     lost: int = 0
+    left_out: int = 0
+    other_type: int = 0
+    foreign: bool = False
 
     def follow(self, sequence: int) -> None:
         """Count the messages that are missing before this one; only a single publisher's numbers can be followed."""
@@ -58,7 +72,6 @@ class Intake:
 
     def __init__(self, writer: RecordingWriter, clock: str | None) -> None:
         self.paused = False
-        self.left_out = 0
         self._writer = writer
         self._clock_topic = clock
         self._clock: int | None = None
@@ -76,6 +89,20 @@ class Intake:
         """Messages known to be missing, of the topics that miss any."""
         return {topic: recorded.lost for topic, recorded in self._topics.items() if recorded.lost}
 
+    @property
+    def left_out(self) -> int:
+        """Messages of all topics that came during a pause."""
+        return sum(recorded.left_out for recorded in self._topics.values())
+
+    def missing(self) -> dict[str, str]:
+        """Everything that is known to be missing, topic by topic: numbers of messages by reason, as JSON."""
+        found = {}
+        for topic, recorded in self._topics.items():
+            counts = {"lost": recorded.lost, "paused": recorded.left_out, "other_type": recorded.other_type}
+            if any(counts.values()):
+                found[topic] = json.dumps(counts)
+        return found
+
     def begin(self, topic: TopicEntry, definition: str, publishers: int) -> None:
         """Record a topic from now on."""
         self._topics[topic.name] = Recorded(self._writer.add_topic(topic, definition), publishers)
@@ -84,6 +111,11 @@ class Intake:
         """Take note of how many publishers a topic has."""
         if topic in self._topics:
             self._topics[topic].publishers, self._topics[topic].last = publishers, 0
+
+    def type_changed(self, topic: str, foreign: bool) -> None:
+        """Take note of whether a topic's publishers have another type than the recorded one."""
+        if topic in self._topics:
+            self._topics[topic].foreign = foreign
 
     def take(self, messages: Iterable[Incoming]) -> None:
         """Write messages, which come in the order in which they arrived."""
@@ -96,8 +128,10 @@ class Intake:
             if recorded is None:
                 continue
             recorded.follow(message.sequence)
-            if self.paused:
-                self.left_out += 1
+            if recorded.foreign:
+                recorded.other_type += 1
+            elif self.paused:
+                recorded.left_out += 1
             elif self._clock_topic and self._clock is None and self._held_bytes < MOST_HELD:
                 self._held.append(message)
                 self._held_bytes += len(message.data)

@@ -28,9 +28,9 @@ from nw_gear_monitor.nodes.ears import Ears
 from nw_gear_monitor.nodes.intake import Intake
 from nw_gear_monitor.nodes.parameter_survey import ParameterSurvey, as_text
 from nw_gear_monitor.records.provenance import run_record
-from nw_gear_monitor.records.schema import NODE, RUN
+from nw_gear_monitor.records.schema import LOSS, NODE, RUN
 from nw_gear_monitor.records.selection import Selection
-from nw_gear_monitor.records.writer import COMPRESSIONS, RecordingWriter
+from nw_gear_monitor.records.writer import COMPRESSIONS, Limits, RecordingWriter
 
 TAKE_EVERY = 0.02
 LOOK_EVERY = 0.1
@@ -50,6 +50,13 @@ class Settings:
         (), "Names or regular expressions; empty = everything in the namespace, `/diagnostics` and `/clock`."
     )
     flush_period: float = quantity(0.5, "Longest time that a killed recorder loses.", "s", minimum=0.01, maximum=3600.0)
+    fsync: bool = quantity(False, "Wait at every flush until all is on the disk: it survives a loss of power too.")
+    max_file_size: int = quantity(
+        0, "Size of a file, without its index, at which the recording goes on in another; 0 = any.", "B", minimum=0
+    )
+    max_file_duration: float = quantity(
+        0.0, "Recorded time in a file after which the recording goes on in another; 0 = any.", "s", minimum=0.0
+    )
     compression: str = quantity("zstd", "Compression of the chunks.", choices=tuple(COMPRESSIONS))
     provenance: str = quantity("", "Text that is kept in the recording, for instance how the run was started.")
 
@@ -71,19 +78,22 @@ class RecorderNode(Node):
         clock = self.resolve_topic_name(names.CLOCK)
         selected = Selection(self._settings.topics, self.get_namespace(), clock)
         self._diagnostics = Diagnostics(self)
-        self._writer = RecordingWriter(Path(self._settings.uri).absolute(), self._settings.compression)
+        self._writer = _writer(self._settings)
         self._intake = Intake(self._writer, clock if simulated else None)
         self._ears = Ears(self)
-        self._discovery = Discovery(self, self._ears, self._intake, selected, clock if simulated else None)
+        self._discovery = Discovery(
+            self, self._ears, self._intake, selected, clock if simulated else None, self._take_all
+        )
         self._survey = ParameterSurvey(self)
         self._announced = self._failed = False
+        self._missing: dict[str, str] | None = None
         self._guarded(self._begin, command_line)
         self.create_service(SetBool, "~/pause", self._on_pause)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(TAKE_EVERY, partial(self._guarded, self._take), clock=steady)
         self.create_timer(LOOK_EVERY, partial(self._guarded, self._look), clock=steady)
         self.create_timer(self._settings.flush_period, partial(self._guarded, self._writer.flush), clock=steady)
-        self.create_timer(REPORT_EVERY, self._report, clock=steady)
+        self.create_timer(REPORT_EVERY, partial(self._guarded, self._report), clock=steady)
 
     def close(self) -> None:
         """Write what has arrived and finish the recording.
@@ -119,6 +129,9 @@ class RecorderNode(Node):
     def _take(self) -> None:
         self._intake.take(self._ears.take())
 
+    def _take_all(self) -> None:
+        self._intake.take(self._ears.take(everything=True))
+
     def _look(self) -> None:
         self._discovery.look()
         if self._intake.topics and not self._announced:
@@ -128,11 +141,20 @@ class RecorderNode(Node):
             self._writer.add_metadata(NODE + self._inside(node), parameters)
 
     def _finish(self) -> None:
-        self._intake.take(self._ears.take(everything=True))
+        self._take_all()
         self._intake.release()
         for node in self._survey.unanswered:
             self._writer.add_metadata(NODE + self._inside(node), {UNANSWERED: "its parameter services never answered"})
+        self._keep_losses()
         self._writer.close()
+
+    def _keep_losses(self) -> None:
+        """Write down what is missing, if that has changed."""
+        skipped = {topic: f"not recorded: {reason}" for topic, reason in self._discovery.skipped.items()}
+        missing = {**skipped, **self._intake.missing()}
+        if missing != self._missing:
+            self._missing = missing
+            self._writer.add_metadata(LOSS, missing)
 
     def _inside(self, node: str) -> str:
         """Name of a node inside the namespace."""
@@ -147,6 +169,7 @@ class RecorderNode(Node):
         return response
 
     def _report(self) -> None:
+        self._keep_losses()
         intake, lost = self._intake, self._intake.lost
         remarks = [f"{count} messages lost on {topic}" for topic, count in lost.items()]
         remarks += [f"{topic} isn't recorded ({reason})" for topic, reason in self._discovery.skipped.items()]
@@ -155,6 +178,7 @@ class RecorderNode(Node):
         values = {
             "messages (1)": str(self._writer.messages),
             "bytes (1)": str(self._writer.size),
+            "files (1)": str(self._writer.files),
             "topics (1)": str(len(intake.topics)),
             "lost messages (1)": str(sum(lost.values())),
             "left out while paused (1)": str(intake.left_out),
@@ -162,9 +186,15 @@ class RecorderNode(Node):
             "skipped topics": ", ".join(self._discovery.skipped),
             "no parameters yet from": ", ".join(self._survey.unanswered),
             "uri": self._settings.uri,
+            **{f"missing on {topic}": counts for topic, counts in intake.missing().items()},
         }
         message = "; ".join(remarks) or "recording"
         self._diagnostics.publish([self._diagnostics.status("recording", WARN if remarks else OK, message, values)])
+
+
+def _writer(settings: Settings) -> RecordingWriter:
+    limits = Limits(settings.max_file_size, round(1e9 * settings.max_file_duration))
+    return RecordingWriter(Path(settings.uri).absolute(), settings.compression, limits, settings.fsync)
 
 
 def main(argv: Sequence[str]) -> int:

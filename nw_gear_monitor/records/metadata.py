@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 
 from nw_gear_common.errors import InputError
+from nw_gear_monitor.records.disk import sync_folder
 from nw_gear_monitor.records.qos import Qos, as_list
 
 FILE = "metadata.yaml"
@@ -99,17 +100,22 @@ def _file(file: FileEntry) -> dict[str, Any]:
     }
 
 
-def write(folder: Path, metadata: Metadata) -> None:
-    """Write `metadata.yaml` as a whole or not at all; one that is there is replaced."""
+def write(folder: Path, metadata: Metadata, fsync: bool = False) -> None:
+    """Write `metadata.yaml` as a whole or not at all; one that is there is replaced; with `fsync` it is on the disk."""
     partial = None
     try:
         with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=folder, prefix=f".{FILE}.", delete=False) as file:
             partial = Path(file.name)
             file.write(metadata.to_yaml())
+            if fsync:
+                file.flush()
+                os.fsync(file.fileno())
         mask = os.umask(0)
         os.umask(mask)
         partial.chmod(0o666 & ~mask)
         partial.replace(folder / FILE)
+        if fsync:
+            sync_folder(folder)
     except BaseException:
         if partial is not None:
             with contextlib.suppress(OSError):

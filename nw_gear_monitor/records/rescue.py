@@ -9,9 +9,9 @@ from pathlib import Path
 from mcap.records import Channel, Message, Metadata, Schema
 
 from nw_gear_monitor.records.mcapfile import McapFile, damage
+from nw_gear_monitor.records.mcapwriter import McapWriter
 from nw_gear_monitor.records.scan import Record, Scan
 from nw_gear_monitor.records.schema import PROVENANCE
-from nw_gear_monitor.records.writer import McapWriter
 
 RECORD = f"{PROVENANCE}recovered"
 """Metadata record that a repaired file carries."""

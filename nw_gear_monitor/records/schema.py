@@ -18,5 +18,8 @@ PROVENANCE = "nw_gear."
 RUN = f"{PROVENANCE}run"
 """Metadata record: command line, versions, date, and what the caller gave."""
 
+LOSS = f"{PROVENANCE}loss"
+"""Metadata record: what is known to be missing, topic by topic. Written when it changes; the last one counts."""
+
 NODE = f"{PROVENANCE}node."
 """Beginning of the metadata records with all parameters of one node each; the node's name follows."""

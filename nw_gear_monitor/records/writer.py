@@ -1,55 +1,60 @@
-"""Writes a rosbag2 folder with one MCAP file: chunked, indexed, compressed, with a schema on every channel."""
+"""Writes a rosbag2 folder with MCAP files: chunked, indexed, compressed, with a schema on every channel."""
 
 from __future__ import annotations
 
-import contextlib
-import fcntl
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mcap.writer import CompressionType, IndexType, Writer
-
-from nw_gear_common import __version__
 from nw_gear_common.errors import InputError
 from nw_gear_monitor.records import metadata
+from nw_gear_monitor.records.disk import sync_folder
+from nw_gear_monitor.records.mcapwriter import COMPRESSIONS, McapWriter
 from nw_gear_monitor.records.metadata import FileEntry, Metadata, TopicEntry
-from nw_gear_monitor.records.qos import to_yaml
-from nw_gear_monitor.records.schema import HASH_KEY, MESSAGE_ENCODING, PROFILE, QOS_KEY, SCHEMA_ENCODING
 
-COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
+__all__ = ["COMPRESSIONS", "Limits", "RecordingWriter"]
 
-LIBRARY = f"nw_gear {__version__}"
-CHUNK_SIZE = 1024 * 1024
+
+@dataclass(frozen=True)
+class Limits:
+    """When a recording goes on in another file.
+
+    Attributes:
+        size: bytes of a file without its index, 0 = no limit.
+        duration: log time that a file spans, ns, 0 = no limit.
+    """
+
+    size: int = 0
+    duration: int = 0
 
 
 @dataclass
-class _Count:
-    messages: int = 0
-    first: int = 0
-    last: int = 0
+class _Topic:
+    """A topic, its definition, its channel in the file that is being written, and its messages in all files."""
 
-    def add(self, log_time: int) -> None:
-        self.first = min(self.first, log_time) if self.messages else log_time
-        self.last = max(self.last, log_time) if self.messages else log_time
-        self.messages += 1
+    entry: TopicEntry
+    definition: str
+    channel: int
+    messages: int = 0
 
 
 class RecordingWriter:
     """A recording that is being written.
 
     The file is locked while it is open, so that nobody repairs a recording that is still growing. Until `close` the
-    folder has no `metadata.yaml`; what was flushed can be recovered without one.
+    folder has no `metadata.yaml`; what was flushed can be recovered without one. A file that is full is finished, and
+    the next one has all topics and metadata records anew, so that each can be opened by itself.
 
     Args:
         folder: new folder.
         compression: zstd, lz4 or none.
-        file: name of the MCAP file (default: as rosbag2 names it).
+        limits: of one file; a single message that is larger gets a file of its own.
+        fsync: make sure with every flush that everything is on the disk, and not only with the operating system.
 
     Raises:
         InputError: the folder exists, or can't be made.
     """
 
-    def __init__(self, folder: Path, compression: str = "zstd", file: str = "") -> None:
+    def __init__(self, folder: Path, compression: str = "zstd", limits: Limits = Limits(), fsync: bool = False) -> None:
         try:
             folder.mkdir(parents=True)
         except FileExistsError:
@@ -57,24 +62,41 @@ class RecordingWriter:
         except OSError as error:
             raise InputError(str(folder), "a folder that can be made", error.strerror or str(error)) from None
         self.folder = folder
-        self.path = folder / (file or f"{folder.resolve().name}_0.mcap")
+        self._stem = folder.resolve().name
+        self._compression = compression
+        self._limits = limits
+        self._fsync = fsync
+        self._topics: list[_Topic] = []
+        self._records: dict[str, dict[str, str]] = {}
+        self._finished: list[FileEntry] = []
+        self._before = 0  # bytes of the files that are finished
+        self._began = 0
         try:
-            self._mcap = McapWriter(self.path, compression)
+            self._mcap = self._open()
         except OSError as error:
             self.path.unlink(missing_ok=True)
             folder.rmdir()
             raise InputError(str(folder), "a folder that can be written to", error.strerror or str(error)) from None
-        self._topics: dict[int, TopicEntry] = {}
+
+    @property
+    def path(self) -> Path:
+        """The file that is being written."""
+        return self.folder / f"{self._stem}_{len(self._finished)}.mcap"
 
     @property
     def messages(self) -> int:
         """Messages written."""
-        return self._mcap.count.messages
+        return sum(topic.messages for topic in self._topics)
 
     @property
     def size(self) -> int:
-        """Bytes in the file so far, without the chunk in progress."""
-        return self._mcap.position()
+        """Bytes in the files so far, without the chunk in progress."""
+        return self._before + self._mcap.position()
+
+    @property
+    def files(self) -> int:
+        """Files begun so far."""
+        return len(self._finished) + 1
 
     def add_topic(self, topic: TopicEntry, definition: str) -> int:
         """Begin a topic and return the number under which its messages are written.
@@ -83,16 +105,23 @@ class RecordingWriter:
             topic: name, type, hash and QoS.
             definition: text of the message definition with all that it depends on, separated as in rosbag2.
         """
-        number = self._mcap.add_topic(topic, definition)
-        self._topics[number] = topic
-        return number
+        self._topics.append(_Topic(topic, definition, self._mcap.add_topic(topic, definition)))
+        return len(self._topics) - 1
 
     def write(self, topic: int, data: bytes, log_time: int, publish_time: int, sequence: int = 0) -> None:
         """Write one message: CDR bytes, times in ns, running number given by its publisher (0 = unknown)."""
-        self._mcap.write(topic, data, log_time, publish_time, sequence)
+        if self._is_full(len(data), log_time):
+            self._go_on_in_another_file()
+        if not self._mcap.count.messages:
+            self._began = log_time
+        self._began = min(self._began, log_time)
+        begun = self._topics[topic]
+        self._mcap.write(begun.channel, data, log_time, publish_time, sequence)
+        begun.messages += 1
 
     def add_metadata(self, name: str, content: dict[str, str]) -> None:
-        """Write a metadata record."""
+        """Write a metadata record; readers take the last one of a name."""
+        self._records[name] = content
         self._mcap.add_metadata(name, content)
 
     def flush(self) -> None:
@@ -101,13 +130,13 @@ class RecordingWriter:
         Raises:
             OSError: it can't be written, or the file is no longer in its folder.
         """
-        self._mcap.flush()
+        self._mcap.flush(self._fsync)
         self.path.stat()
 
     def close(self) -> None:
         """Finish the file and write `metadata.yaml`."""
-        self._mcap.close()
-        metadata.write(self.folder, Metadata((self._mcap.entry(),), self.entries()))
+        self._mcap.close(self._fsync)
+        metadata.write(self.folder, Metadata((*self._finished, self._mcap.entry()), self.entries()), self._fsync)
 
     def abandon(self) -> None:
         """Let go of a file that can't be written any more, as it is."""
@@ -115,85 +144,30 @@ class RecordingWriter:
 
     def entries(self) -> tuple[TopicEntry, ...]:
         """The topics with their counts."""
-        return tuple(replace(topic, count=self._mcap.count_of(number)) for number, topic in self._topics.items())
+        return tuple(replace(topic.entry, count=topic.messages) for topic in self._topics)
 
+    # --- one file after the other -------------------------------------------------------------------------------------
 
-class McapWriter:
-    """The MCAP file inside a recording.
+    def _open(self) -> McapWriter:
+        writer = McapWriter(self.path, self._compression)
+        if self._fsync:
+            sync_folder(self.folder)
+        return writer
 
-    Args:
-        path: new file.
-        compression: zstd, lz4 or none.
-    """
+    def _is_full(self, more: int, log_time: int) -> bool:
+        """Whether a message belongs into another file. A clock that jumps back begins a new stretch of time."""
+        if not self._mcap.count.messages:
+            return False
+        if self._limits.size and self._mcap.size_with(more) > self._limits.size:
+            return True
+        return bool(self._limits.duration) and log_time - self._began >= self._limits.duration
 
-    def __init__(self, path: Path, compression: str) -> None:
-        self.path = path
-        self.count = _Count()
-        self._counts: dict[int, int] = {}
-        self._schemas: dict[tuple[str, str, bytes], int] = {}
-        self._stream = path.open("xb")
-        with contextlib.suppress(OSError):  # some network file systems know no locks
-            fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        self._writer = Writer(
-            self._stream,
-            chunk_size=CHUNK_SIZE,
-            compression=COMPRESSIONS[compression],
-            index_types=IndexType.ALL,
-        )
-        self._writer.start(PROFILE, LIBRARY)
-        self._stream.flush()
-
-    def add_topic(self, topic: TopicEntry, definition: str) -> int:
-        """Register a schema, where it is new, and a channel."""
-        details = {QOS_KEY: to_yaml(topic.qos), HASH_KEY: topic.type_hash}
-        schema = self.add_schema(topic.type, SCHEMA_ENCODING, definition.encode())
-        return self.add_channel(topic.name, MESSAGE_ENCODING, schema, details)
-
-    def add_schema(self, name: str, encoding: str, data: bytes) -> int:
-        """Register a schema; the same one again gets the same number."""
-        key = (name, encoding, data)
-        if key not in self._schemas:
-            self._schemas[key] = self._writer.register_schema(name, encoding, data)
-        return self._schemas[key]
-
-    def add_channel(self, topic: str, encoding: str, schema: int, details: dict[str, str]) -> int:
-        """Register a channel."""
-        number = self._writer.register_channel(topic, encoding, schema, details)
-        self._counts[number] = 0
-        return number
-
-    def write(self, channel: int, data: bytes, log_time: int, publish_time: int, sequence: int = 0) -> None:
-        """Add one message to the chunk in progress."""
-        self._writer.add_message(channel, log_time, data, publish_time, sequence)
-        self._counts[channel] += 1
-        self.count.add(log_time)
-
-    def count_of(self, channel: int) -> int:
-        """Messages of one channel."""
-        return self._counts[channel]
-
-    def add_metadata(self, name: str, content: dict[str, str]) -> None:
-        """Write a metadata record."""
-        self._writer.add_metadata(name, content)
-
-    def flush(self) -> None:
-        """Finish the chunk in progress and flush the stream."""
-        self._writer.flush()  # type: ignore[no-untyped-call]
-
-    def position(self) -> int:
-        """Bytes written so far."""
-        return self._stream.tell()
-
-    def entry(self) -> FileEntry:
-        """What `metadata.yaml` says about the file."""
-        return FileEntry(self.path.name, self.count.first, self.count.last, self.count.messages)
-
-    def close(self) -> None:
-        """Write the index and close the file."""
-        self._writer.finish()  # type: ignore[no-untyped-call]
-        self._stream.close()
-
-    def abandon(self) -> None:
-        """Close the file without another attempt to write what is buffered."""
-        with contextlib.suppress(OSError):
-            self._stream.raw.close()
+    def _go_on_in_another_file(self) -> None:
+        self._mcap.close(self._fsync)
+        self._before += self.path.stat().st_size
+        self._finished.append(self._mcap.entry())
+        self._mcap = self._open()
+        for name, content in self._records.items():
+            self._mcap.add_metadata(name, content)
+        for topic in self._topics:
+            topic.channel = self._mcap.add_topic(topic.entry, topic.definition)

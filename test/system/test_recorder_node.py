@@ -90,7 +90,7 @@ def test_types_of_other_packages_latched_and_best_effort_topics_in_all_readers(f
             source.publish("/nw_gear/note", String(data="ü"))
             process.interrupt()
             assert process.wait() == 0, process.report()
-            assert process.stdout == f"recording to {folder}\n"
+            assert process.stdout.splitlines()[-1] == f"recording to {folder}"  # the middleware may complain before
     wanted = {WAVEFORM: 50, "/odometry": 50, "/plan": 50, "/nw_gear/note": 2}
     with Reader(folder) as reader:
         assert {c.topic: c.msgcount for c in reader.connections if c.topic in wanted} == wanted
