@@ -98,9 +98,10 @@ class Page:
         roots: dict[str, Model] = dict(self._texts)
         for panel in panels:
             roots |= panel.roots
-        for name, root in roots.items():
-            root.name = name
-            document.add_root(root)
+        with document.models.freeze():  # else Bokeh looks through all models again for each root
+            for name, root in roots.items():
+                root.name = name
+                document.add_root(root)
         self._slow(time.monotonic())
         document.add_periodic_callback(self.update, round(1e3 / self._show.rate))
 

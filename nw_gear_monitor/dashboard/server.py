@@ -7,7 +7,6 @@ import errno
 import logging
 import socket
 import threading
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from bokeh.application import Application
@@ -18,7 +17,6 @@ from bokeh.server.tornado import BokehTornado
 from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPServerRequest
 from tornado.ioloop import IOLoop, PeriodicCallback
-from tornado.netutil import bind_sockets
 from tornado.web import RequestHandler
 
 from nw_gear_common.errors import InputError
@@ -54,7 +52,7 @@ class Refusal(RequestHandler):
         if self._verdict.what == HAND_OVER and self.request.method == "GET":
             token = self.get_query_argument("token")
             self.set_cookie(self._cookie_name, token, httponly=True, samesite="Strict")
-            self.redirect(self.request.path)
+            self.redirect("/")
             return
         self.set_status(403)
         self.set_header("Content-Type", "text/plain; charset=utf-8")
@@ -101,15 +99,15 @@ class Server:
 
     def __init__(self, address: str, port: int, token: str) -> None:
         self._digest = Digest()
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix="digest")
         self._computing = False
         self._token, self._address = token, address
         try:
-            self._sockets = bind_sockets(port, address, family=_family(address))
+            self._socket = socket.create_server((address, port), family=_family(address))
         except OSError as error:
             reason = errno.errorcode.get(error.errno or 0, "") if error.strerror is None else error.strerror
             raise InputError("parameter port", f"a free port of {address}", f"{port} ({reason})") from None
-        self.port: int = self._sockets[0].getsockname()[1]
+        self._socket.setblocking(False)
+        self.port: int = self._socket.getsockname()[1]
         host = f"[{address}]" if ":" in address else address
         self.url = f"http://{host}:{self.port}/"
         self._loop: IOLoop | None = None
@@ -137,7 +135,7 @@ class Server:
             loop.add_callback(loop.stop)
         if self._thread is not None:
             self._thread.join(STOP_WITHIN)
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._socket.close()
 
     @property
     def sessions(self) -> int:
@@ -154,7 +152,7 @@ class Server:
         application = Application(FunctionHandler(lambda document: _build(document, show)))
         tornado = GatedTornado(application, Gate(self._address, self.port, self._token))
         http = HTTPServer(tornado)
-        http.add_sockets(self._sockets)
+        http.add_socket(self._socket)
         server = BaseServer(loop, tornado, http)
         server.start()
         refresh = PeriodicCallback(lambda: self._refresh(server, show), DIGEST_MS)
@@ -165,6 +163,8 @@ class Server:
         finally:
             refresh.stop()
             server.stop(wait=False)
+            loop.run_sync(http.close_all_connections, timeout=STOP_WITHIN)
+            loop.close(all_fds=True)
 
     def _refresh(self, server: BaseServer, show: Show) -> None:
         """Let the pictures be computed anew by another thread, where anybody looks and they aren't being computed."""
@@ -172,7 +172,7 @@ class Server:
         if not self._count or self._computing:
             return
         self._computing = True
-        self._pool.submit(self._compute, show)
+        threading.Thread(target=self._compute, args=(show,), name="digest", daemon=True).start()
 
     def _compute(self, show: Show) -> None:
         try:
