@@ -17,6 +17,8 @@ from soak.witness import WAVEFORM, Witness
 MOST_GROWTH = 0.05
 """Share of its memory by which a process may grow after its warm-up, besides SLACK megabytes."""
 SLACK = 8.0
+JUDGED = 600.0
+"""Seconds that a process has to have lived for its growth to be judged."""
 
 
 def result(
@@ -53,7 +55,7 @@ def result(
 
 def _memory(name: str, ages: list[float], growth: tuple[float, float, float]) -> dict[str, Any]:
     warm, end, slope = growth
-    grew = end - warm > MOST_GROWTH * warm + SLACK
+    grew = ages[-1] > JUDGED and end - warm > MOST_GROWTH * warm + SLACK
     return {"node": name, "age_s": ages[-1], "warm_mb": warm, "end_mb": end, "slope_mb_per_hour": slope, "grew": grew}
 
 

@@ -28,7 +28,7 @@ from soak import checks  # noqa: E402 - found by the line above
 from soak.suite import Suite, apart  # noqa: E402
 from soak.witness import OK, STALE, WARN, Witness, witnessing  # noqa: E402
 
-SAMPLE_EVERY = 5.0
+LOOK_EVERY, SAMPLE_EVERY = 0.2, 5.0
 UNDISTURBED = 0.5
 """Share of the time before the first restart."""
 NOTICE_LIMIT, RETURN_LIMIT, PAGE_WITHIN = 30.0, 90.0, 30.0
@@ -92,17 +92,17 @@ RESTARTS = (
 class Soak:
     """One run."""
 
-    def __init__(self, suite: Suite, witness: Witness, take: Callable[[float], None]) -> None:
+    def __init__(self, suite: Suite, witness: Witness) -> None:
         self.problems: list[str] = []
         self.restarts: list[dict[str, Any]] = []
-        self._suite, self._witness, self._take = suite, witness, take
+        self._suite, self._witness = suite, witness
         self._sampled = 0.0
 
     def wait(self, limit: float, until: Callable[[], bool] = lambda: False) -> float | None:
         """Listen until something holds; returns the seconds it took, None where it didn't within the limit."""
         began = time.monotonic()
         while (spent := time.monotonic() - began) < limit:
-            self._take(0.2)
+            time.sleep(LOOK_EVERY)
             if time.monotonic() - self._sampled > SAMPLE_EVERY:
                 self._sampled = time.monotonic()
                 self._suite.sample()
@@ -138,9 +138,9 @@ class Soak:
 def soak(hours: float, folder: Path) -> dict[str, Any]:
     """Run the suite and return what was found."""
     length = 3600.0 * hours
-    with witnessing() as (witness, take):
+    with witnessing() as witness:
         suite = Suite(folder, PARAMETERS)
-        run = Soak(suite, witness, take)
+        run = Soak(suite, witness)
         began = time.monotonic()
         try:
             run.begin()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -70,8 +71,8 @@ class Witness:
 
 
 @contextmanager
-def witnessing() -> Iterator[tuple[Witness, Callable[[float], None]]]:
-    """Give a witness, and a function that takes in messages for some time (s) at most."""
+def witnessing() -> Iterator[Witness]:
+    """Give a witness who listens in a thread of its own."""
     witness = Witness()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("soak_witness")
@@ -79,9 +80,19 @@ def witnessing() -> Iterator[tuple[Witness, Callable[[float], None]]]:
     executor.add_node(node)
     node.create_subscription(Float64MultiArray, WAVEFORM, witness.waveform, live_qos(DEPTH))
     node.create_subscription(DiagnosticArray, names.DIAGNOSTICS, witness.diagnostics, live_qos(100))
+    over = threading.Event()
+
+    def listen() -> None:
+        while not over.is_set():
+            executor.spin_once(timeout_sec=0.2)
+
+    thread = threading.Thread(target=listen)
+    thread.start()
     try:
-        yield witness, lambda seconds: executor.spin_once(timeout_sec=seconds)
+        yield witness
     finally:
+        over.set()
+        thread.join()
         executor.remove_node(node)
         executor.shutdown()
         node.destroy_node()
