@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from nw_gear_common.plain import one_line
+
 
 class NwGearError(Exception):
     """Root of every error raised on purpose by this project.
@@ -25,7 +27,7 @@ class InputError(NwGearError):
     exit_code = 2
 
     def __init__(self, place: str, expected: str, got: str) -> None:
-        super().__init__(f"{place}: expected {expected}, got {got}")
+        super().__init__(one_line(f"{place}: expected {expected}, got {got}"))
         self.place = place
         self.expected = expected
         self.got = got

@@ -24,7 +24,6 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from nw_gear_common.errors import InputError
 from nw_gear_monitor.nodes.intake import Incoming
-from nw_gear_monitor.records.plain import one_line
 from nw_gear_monitor.records.qos import Qos
 
 _TYPE = re.compile(r"(?P<package>[a-z][a-z0-9_]*)/(?P<kind>msg|srv|action)/(?P<name>[A-Z][A-Za-z0-9_]*)")
@@ -103,7 +102,7 @@ def message_class(kind: str) -> Any:
     """
     match = _TYPE.fullmatch(kind)
     if match is None:
-        raise InputError(f"type {one_line(kind)}", "a message type (package/msg/Name)", "another form")
+        raise InputError(f"type {kind}", "a message type (package/msg/Name)", "another form")
     try:
         if not _is_interfaces(match["package"]):
             raise ImportError

@@ -22,10 +22,12 @@ from std_srvs.srv import SetBool
 
 from nw_gear_common import names
 from nw_gear_common.errors import InputError, NwGearError
+from nw_gear_common.plain import one_line
 from nw_gear_common.quantities import quantity
 from nw_gear_common.ros import Stop, declare_parameters, live_qos, make_node, run
 from nw_gear_monitor.nodes.ears import message_class
 from nw_gear_monitor.nodes.timeline import Timeline
+from nw_gear_monitor.records.playable import checked, obstacle
 from nw_gear_monitor.records.qos import Qos
 from nw_gear_monitor.records.reader import RawMessage, Recording
 from nw_gear_monitor.records.selection import Selection
@@ -40,6 +42,9 @@ BACKWARD_NS = 50_000_000
 DEPTH = 1000
 LATCHED_DEPTH = 20
 """History of publishers whose depth isn't in the recording: over the network a middleware doesn't tell it."""
+
+LONG_SILENCE = 30.0
+"""Seconds without a message, as it is replayed, that are announced: nobody shall take them for a standstill."""
 
 ACKNOWLEDGE_WITHIN = 3.0
 JOIN_WITHIN = 4.0
@@ -74,7 +79,8 @@ class ReplayNode(Node):
             raise InputError("parameter uri", "a recording", "none")
         selected = Selection(self._settings.topics, self.get_namespace())
         self._recording = Recording.open(self._settings.uri)
-        beginning = next((message.log_time for message in self._recording.raw()), 0)
+        everything = checked(self._recording.raw(), str(self._recording.path))
+        beginning = next((message.log_time for message in everything), 0)
         self._first = beginning + round(1e9 * self._settings.start_offset)
         if self._settings.start_offset > self._recording.duration:
             expected = f"less than the recording's {self._recording.duration:.3f} s"
@@ -84,7 +90,8 @@ class ReplayNode(Node):
         chosen = [name for name in kept if not self._settings.topics or selected(name)]
         self._outlets = self._advertise(chosen)
         if not self._outlets:
-            raise InputError("parameter topics", "one of " + ", ".join(self._recording.topics), "none of them")
+            got = "none of them" if not chosen else "only such that can't be replayed here"
+            raise InputError("parameter topics", "one of " + ", ".join(self._recording.topics), got)
         self._clock_publisher = self.create_publisher(Clock, names.CLOCK, live_qos(100))
         self._next_clock = 0.0
         self._shown = 0
@@ -104,12 +111,15 @@ class ReplayNode(Node):
     def _advertise(self, topics: Sequence[str]) -> dict[str, Publisher]:
         publishers = {}
         for topic in topics:
-            try:
-                kind = message_class(self._recording.topics[topic].type)
-            except InputError as error:
-                self.get_logger().warning(f"{topic} isn't replayed: {error}")
-                continue
-            publishers[topic] = self.create_publisher(kind, topic, profile(self._recording.qos(topic)))
+            reason = obstacle(self._recording, topic)
+            if not reason:
+                try:
+                    kind = message_class(self._recording.topics[topic].type)
+                    publishers[topic] = self.create_publisher(kind, topic, profile(self._recording.qos(topic)))
+                except Exception as error:  # several unrelated types: names of topics, types without support
+                    reason = (str(error) or type(error).__name__).splitlines()[0]
+            if reason:
+                self.get_logger().warning(one_line(f"{topic} isn't replayed: {reason}"))
         return publishers
 
     def _change(self, settings: Settings) -> None:
@@ -154,6 +164,7 @@ class ReplayNode(Node):
             if message.log_time < self._shown - BACKWARD_NS:  # the recorded clock went back: a new epoch
                 self._timeline.begin(message.log_time)
                 self._show_clock(message.log_time)
+            self._tell_of_silence(message.log_time)
             self._wait_until(message.log_time)
             if self._stop:
                 return
@@ -164,7 +175,13 @@ class ReplayNode(Node):
         self._show_clock(max(last, self._shown))
 
     def _messages(self) -> Iterator[RawMessage]:
-        return self._recording.raw(self._outlets.keys(), self._first if self._settings.start_offset else 0)
+        since = self._first if self._settings.start_offset else 0
+        return checked(self._recording.raw(self._outlets.keys(), since), str(self._recording.path))
+
+    def _tell_of_silence(self, moment: int) -> None:
+        silence = self._timeline.until(moment)
+        if LONG_SILENCE < silence < float("inf"):
+            self.get_logger().info(f"the next message comes in {silence:.0f} s")
 
     def _wait_until(self, moment: int) -> None:
         """Wait until the timeline has come to a moment (ns), showing the clock meanwhile."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import struct
-import zlib
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -16,23 +15,20 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple
 
-import lz4.frame
 import numba
 import numpy as np
 import numpy.typing as npt
-import zstandard
 from mcap.opcode import Opcode
 
 from nw_gear_common.errors import InputError
 from nw_gear_monitor.records.mcapfile import READ_ERRORS, RECORD_HEAD, McapFile
+from nw_gear_monitor.records.unpacking import decompress
 
 THREADS = 2
 AHEAD = 4
 """Chunks that are fetched before they are asked for."""
 GROUP = 512
 """Messages per batch where a file has no chunks."""
-LARGEST = 1 << 30
-"""Bytes of a chunk, decompressed, above which a file is refused: no writer makes such chunks."""
 
 Bytes = npt.NDArray[np.uint8]
 Whole = npt.NDArray[np.int64]
@@ -119,25 +115,14 @@ def unpack(record: bytes) -> Bytes:
     """Content of a chunk record, decompressed.
 
     Raises:
-        ValueError: unknown compression, wrong size or wrong checksum.
+        ValueError, RuntimeError, zstandard.ZstdError: unknown compression, wrong size or wrong checksum.
     """
     _first, _last, size, crc = _CHUNK.unpack_from(record)
     (length,) = struct.unpack_from("<I", record, _CHUNK.size)
     at = _CHUNK.size + 4 + length
     compression = record[_CHUNK.size + 4 : at].decode()
     packed = memoryview(record)[at + 8 :]
-    if size > LARGEST:
-        raise ValueError(f"a chunk of {size} bytes")
-    if compression == "zstd":
-        content: bytes | memoryview = zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
-    elif compression == "lz4":
-        content = lz4.frame.decompress(packed)
-    elif not compression:
-        content = packed
-    else:
-        raise ValueError(f"compression {compression}")
-    if len(content) != size or (crc and zlib.crc32(content) != crc):
-        raise ValueError("the content of a chunk doesn't fit its checksum")
+    content = decompress(compression, packed, size, crc)
     return np.frombuffer(content, dtype=np.uint8)
 
 

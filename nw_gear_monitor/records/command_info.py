@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from nw_gear_common.plain import one_line
+
 if TYPE_CHECKING:
     from nw_gear_monitor.records.reader import Recording
 
@@ -39,7 +41,8 @@ def info(
     from nw_gear_monitor.records.reader import Recording  # noqa: PLC0415 - the readers of recordings are heavy
 
     with Recording.open(path, repair=True) as recording:
-        typer.echo(json.dumps(_as_object(recording)) if as_json else "\n".join(_recording_lines(recording)))
+        lines = (one_line(line) for line in _recording_lines(recording))
+        typer.echo(json.dumps(_as_object(recording)) if as_json else "\n".join(lines))
 
 
 def _as_object(recording: Recording) -> dict[str, Any]:

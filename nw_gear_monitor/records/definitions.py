@@ -21,6 +21,7 @@ SEPARATOR = "=" * 80
 _NUMBERS = ("float32", "float64", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)))
 PRIMITIVES = frozenset(("bool", "byte", "char", "string", "wstring", *_NUMBERS))
 _FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?\s*(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
+_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*){2}")
 _IDL_WORDS = {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}
 _SEQUENCE = re.compile(r"^sequence<(.+?)(?:, (\d+))?>$")
 _ARRAY = re.compile(r"^(.+)\[(\d+)\]$")
@@ -85,6 +86,8 @@ def dependencies(text: str, package: str) -> list[str]:
 
 def type_hash(kind: str) -> str:
     """RIHS01 hash of a type from the file that describes it, "" where there is none."""
+    if not _TYPE.fullmatch(kind):
+        return ""
     package, _, rest = kind.partition("/")
     for share in shares():
         path = share / package / f"{rest}.json"
@@ -112,6 +115,8 @@ def _msg_type(kind: str) -> str:
 
 def _own_text(short: str, rest: str) -> str | None:
     package = short.partition("/")[0]
+    if not _TYPE.fullmatch(f"{package}/{rest}"):
+        return None
     for share in shares():
         path = share / package / f"{rest}.msg"
         if path.is_file():

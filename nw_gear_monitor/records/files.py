@@ -22,10 +22,9 @@ def files_of(path: Path, lenient: bool = False) -> tuple[list[Path], str]:
         return [path], ""
     if not path.is_dir():
         raise InputError(str(path), "a recording (a folder or an MCAP file)", "nothing of that name")
-    present = sorted(path.glob("*.mcap"), key=_numbered)
+    present = sorted((file for file in path.glob("*.mcap") if file.is_file()), key=_numbered)
     if not present and not (path / metadata.FILE).exists():
-        got = "an SQLite bag" if any(path.glob("*.db3")) else "a folder without MCAP files"
-        raise InputError(str(path), "a recording with MCAP storage", got)
+        raise InputError(str(path), "a recording with MCAP storage", _instead(path))
     try:
         listed = [path / name for name in metadata.read(path).files]
     except InputError as error:
@@ -41,7 +40,18 @@ def files_of(path: Path, lenient: bool = False) -> tuple[list[Path], str]:
     return listed, ""
 
 
+def _instead(path: Path) -> str:
+    """What a folder without MCAP files is, in words."""
+    if any(path.glob("*.db3")):
+        return f"an SQLite bag: {metadata.CONVERT}"
+    if any(path.glob("*.mcap.zstd")):
+        return f"files compressed as a whole: {metadata.CONVERT}"
+    if any(path.glob("*.bag")):
+        return f"a bag of ROS 1: {metadata.CONVERT_ROS1}"
+    return "a folder without MCAP files"
+
+
 def _numbered(path: Path) -> tuple[int, str]:
     """Files of a split recording end in a number: `_9` comes before `_10`."""
     number = path.stem.rpartition("_")[2]
-    return (int(number) if number.isdigit() else 0, path.name)
+    return (int(number) if number.isdecimal() else 0, path.name)

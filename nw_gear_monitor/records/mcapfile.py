@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import IO, Any, Self, TypeGuard, cast
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
@@ -22,12 +23,21 @@ from mcap.summary import Summary
 from zstandard import ZstdError
 
 from nw_gear_common.errors import InputError
+from nw_gear_monitor.records.bounded import LARGEST_RECORD, Bounded
+from nw_gear_monitor.records.metadata import CONVERT, CONVERT_ROS1
+from nw_gear_monitor.records.unpacking import LARGEST, decompress
 
 MAGIC = b"\x89MCAP0\r\n"
 RECORD_HEAD = struct.Struct("<BQ")
 _FOOTER = struct.Struct("<BQQQI")
-READ_ERRORS = (McapError, ZstdError, struct.error, ValueError, RuntimeError, OSError, IndexError)
+READ_ERRORS = (
+    McapError, ZstdError, struct.error, ValueError, RuntimeError, OSError, LookupError, TypeError, MemoryError,
+    OverflowError,
+)  # fmt: skip
 """What a damaged file makes the libraries raise."""
+
+_NOT_IN_INDEX = (Opcode.CHUNK, Opcode.MESSAGE, Opcode.HEADER, Opcode.FOOTER, Opcode.DATA_END, Opcode.ATTACHMENT)
+_OTHER_KINDS = {b"SQLite": f"an SQLite bag: {CONVERT}", b"#ROSBAG": f"a bag of ROS 1: {CONVERT_ROS1}"}
 
 
 def damage(path: Path) -> str:
@@ -40,8 +50,10 @@ def damage(path: Path) -> str:
         with path.open("rb") as stream:
             head = stream.read(len(MAGIC))
             if head != MAGIC:
-                got = "an empty file" if not head else "another kind of file"
-                raise InputError(str(path), "an MCAP file", "an SQLite bag" if head.startswith(b"SQLite") else got)
+                if MAGIC.startswith(head):
+                    return "it ends before anything was recorded"
+                known = (words for start, words in _OTHER_KINDS.items() if head.startswith(start))
+                raise InputError(str(path), "an MCAP file", next(known, "another kind of file"))
             size = stream.seek(0, 2)
             tail = _FOOTER.size + len(MAGIC)
             if size < len(MAGIC) + tail:
@@ -53,11 +65,50 @@ def damage(path: Path) -> str:
                 return "it ends before its index"
             if not len(MAGIC) <= summary_start <= size - tail:
                 return "it has no index"
+            if size - summary_start > LARGEST_RECORD:
+                return "its index is too large"
             stream.seek(summary_start)
-            covered = stream.read(size - tail - summary_start) + footer[:-4]
-            return "its index is damaged" if crc and zlib.crc32(covered) != crc else ""
+            summary = stream.read(size - tail - summary_start)
+            sound = _is_index(summary) and (not crc or zlib.crc32(footer[:-4], zlib.crc32(summary)) == crc)
+            return "" if sound else "its index is damaged"
     except OSError as error:
         raise InputError(str(path), "a readable MCAP file", error.strerror or str(error)) from None
+
+
+def _is_index(summary: bytes) -> bool:
+    """Whether the records before the footer are those of an index, each as long as it says."""
+    at = 0
+    while at + RECORD_HEAD.size <= len(summary):
+        opcode, length = RECORD_HEAD.unpack_from(summary, at)
+        if opcode in _NOT_IN_INDEX:
+            return False
+        at += RECORD_HEAD.size + length
+    return at == len(summary)
+
+
+def unusable(path: Path) -> str:
+    """Say why a file can't be opened as it is: empty where it can.
+
+    Raises:
+        InputError: it can't be read, or isn't an MCAP file.
+    """
+    reason = damage(path)
+    if not reason:
+        try:
+            McapFile(path).close()
+        except InputError:
+            return "its index makes no sense"
+    return reason
+
+
+def records_of(chunk: Chunk) -> list[Any]:
+    """The records in a chunk, whose checksum is verified.
+
+    Raises:
+        READ_ERRORS: it is damaged, or claims more than can be.
+    """
+    content = decompress(chunk.compression, chunk.data, chunk.uncompressed_size, chunk.uncompressed_crc)
+    return list(breakup_chunk(replace(chunk, compression="", data=bytes(content))))
 
 
 class McapFile:
@@ -73,13 +124,15 @@ class McapFile:
             raise InputError(str(path), "a finished recording", f"a damaged one, {reason}: see `nw_gear recover`")
         self.path = path
         self._stream = path.open("rb")
+        self._bounded = cast(IO[bytes], Bounded(self._stream))
         try:
-            self._reader = SeekingReader(self._stream)
+            self._reader = SeekingReader(self._bounded)
             summary = self._reader.get_summary()
+            if summary is None or not _in_order(summary.chunk_indexes, path.stat().st_size):
+                raise ValueError("its index points to wrong places")
         except READ_ERRORS as error:
             self._stream.close()
             raise self._unreadable(error) from None
-        assert summary is not None  # `damage` has seen it
         self.summary: Summary = summary
 
     def __enter__(self) -> Self:
@@ -140,18 +193,38 @@ class McapFile:
         """Messages of the chunks that have any of the channels; of an unchunked file, all."""
         indexes = sorted(self.summary.chunk_indexes, key=lambda index: index.chunk_start_offset)
         if not indexes:
-            self._stream.seek(0)
-            yield from (r for r in StreamReader(self._stream).records if isinstance(r, Message))
+            self._bounded.seek(0)
+            for record in StreamReader(self._bounded, emit_chunks=True).records:
+                yield from (
+                    r for r in (records_of(record) if isinstance(record, Chunk) else [record]) if _is_message(r)
+                )
         for index in indexes:
             held = index.message_index_offsets
             if index.message_end_time >= since and (not held or channels & held.keys()):
-                yield from (r for r in breakup_chunk(self._chunk(index), True) if isinstance(r, Message))
+                yield from filter(_is_message, records_of(self._chunk(index)))
 
     def _chunk(self, index: ChunkIndex) -> Chunk:
-        self._stream.seek(index.chunk_start_offset + RECORD_HEAD.size)
-        chunk: Chunk = Chunk.read(ReadDataStream(self._stream))
+        self._bounded.seek(index.chunk_start_offset)
+        opcode, length = RECORD_HEAD.unpack(self._bounded.read(RECORD_HEAD.size))
+        if opcode != Opcode.CHUNK or RECORD_HEAD.size + length != index.chunk_length:
+            raise ValueError("its index points to no chunk")
+        chunk: Chunk = Chunk.read(ReadDataStream(self._bounded))
         return chunk
 
     def _unreadable(self, error: Exception) -> InputError:
         words = str(error) or type(error).__name__
         return InputError(str(self.path), "an intact MCAP file", f"a damaged one, {words}: see `nw_gear recover`")
+
+
+def _is_message(record: object) -> TypeGuard[Message]:
+    return isinstance(record, Message)
+
+
+def _in_order(indexes: Sequence[ChunkIndex], size: int) -> bool:
+    """Whether the chunks of an index lie in the file, one behind the other and none twice."""
+    end = len(MAGIC)
+    for index in sorted(indexes, key=lambda index: index.chunk_start_offset):
+        if index.chunk_start_offset < end or not RECORD_HEAD.size <= index.chunk_length <= LARGEST + LARGEST // 8:
+            return False
+        end = index.chunk_start_offset + index.chunk_length
+    return end <= size

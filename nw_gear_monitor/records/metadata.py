@@ -6,7 +6,7 @@ import contextlib
 import os
 import tempfile
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import yaml
@@ -14,12 +14,16 @@ import yaml
 from nw_gear_common.errors import InputError
 from nw_gear_monitor.records.disk import sync_folder
 from nw_gear_monitor.records.qos import Qos, as_list
+from nw_gear_monitor.records.yamltext import LONGEST, plain
 
 FILE = "metadata.yaml"
 VERSION = 9
 ROOT_KEY = "rosbag2_bagfile_information"
 STORAGE = "mcap"
 DISTRIBUTION = "jazzy"
+CONVERT = "`ros2 bag convert`, or `rosbags-convert --dst-storage mcap`, makes plain MCAP of it"
+CONVERT_ROS1 = "`rosbags-convert --dst-storage mcap` makes a recording of it"
+LONGEST_SHOWN = 60
 
 
 @dataclass(frozen=True)
@@ -138,24 +142,46 @@ def read(folder: Path) -> Listed:
         InputError: there is no `metadata.yaml`, it isn't one of rosbag2, or names a storage other than plain MCAP.
     """
     path = folder / FILE
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(str(path), "a rosbag2 metadata file", error.strerror or str(error)) from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise InputError(str(path), "a rosbag2 metadata file", "something that isn't YAML") from None
+    content = _content(path)
     try:
         information = content[ROOT_KEY]
-        storage = information["storage_identifier"]
-        mode = str(information.get("compression_mode") or "").lower()
-        files = tuple(Path(name).name for name in information["relative_file_paths"])
+        storage, mode = information["storage_identifier"], information.get("compression_mode") or ""
+        names = information["relative_file_paths"]
         count = int(information["message_count"])
-    except (KeyError, TypeError, ValueError, AttributeError):
+        if not all(isinstance(text, str) for text in (storage, mode, *names)):
+            raise TypeError
+    except (LookupError, TypeError, ValueError, AttributeError, OverflowError):
         raise InputError(str(path), f"a rosbag2 metadata file ({ROOT_KEY})", "something else") from None
     if storage != STORAGE:
-        raise InputError(
-            str(folder), "a recording with MCAP storage", f"{storage}: `ros2 bag convert` makes MCAP of it"
-        )
-    if mode not in ("", "none"):
-        raise InputError(str(folder), "MCAP files, compressed inside if at all", f"compression mode {mode}")
-    return Listed(files, count)
+        got = f"{storage[:LONGEST_SHOWN]}: {CONVERT}"
+        raise InputError(str(folder), "a recording with MCAP storage", got)
+    if mode.lower() not in ("", "none"):
+        got = f"compression mode {mode[:LONGEST_SHOWN].lower()}: {CONVERT}"
+        raise InputError(str(folder), "MCAP files, compressed inside if at all", got)
+    return Listed(tuple(_inside(name, path) for name in names), count)
+
+
+def _content(path: Path) -> Any:
+    """What a metadata file says, as plain data."""
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(str(path), "a rosbag2 metadata file", "no file")
+        if path.stat().st_size > LONGEST:
+            raise InputError(str(path), "a rosbag2 metadata file", f"{path.stat().st_size} bytes")
+        return plain(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), "a rosbag2 metadata file", error.strerror or str(error)) from None
+    except ValueError:
+        raise InputError(str(path), "a rosbag2 metadata file", "something that isn't YAML") from None
+
+
+def _inside(name: str, path: Path) -> str:
+    """Name of a file in the folder of its metadata; old versions put the name of the folder before it.
+
+    Raises:
+        InputError: it points out of the folder.
+    """
+    parts = PurePosixPath(name).parts
+    if not parts or "\0" in name or PurePosixPath(name).is_absolute() or ".." in parts or len(parts) > 2:
+        raise InputError(f"{path}: relative_file_paths", "names of files in this folder", repr(name[:LONGEST_SHOWN]))
+    return parts[-1]

@@ -8,6 +8,8 @@ from typing import Any
 
 import yaml
 
+from nw_gear_monitor.records.yamltext import plain
+
 INFINITE = {"sec": 9223372036, "nsec": 854775807}
 """What ROS writes for a duration without end."""
 
@@ -15,6 +17,10 @@ HISTORIES = {0: "system_default", 1: "keep_last", 2: "keep_all", 3: "unknown"}
 RELIABILITIES = {0: "system_default", 1: "reliable", 2: "best_effort", 3: "unknown", 4: "best_available"}
 DURABILITIES = {0: "system_default", 1: "transient_local", 2: "volatile", 3: "unknown", 4: "best_available"}
 """Numbers of rmw, in which version 8 and older wrote the same policies."""
+
+
+MOST_DEPTH = 100_000
+"""History that a middleware could be asked for; a larger one isn't believed."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +66,8 @@ def to_yaml(profiles: Sequence[Qos]) -> str:
 def from_yaml(text: str) -> tuple[Qos, ...]:
     """Read the profiles of a channel, words (version 9) or numbers (older); what can't be understood is left out."""
     try:
-        entries = yaml.safe_load(text) or []
-    except yaml.YAMLError:
+        entries = plain(text) or []
+    except ValueError:
         return ()
     if not isinstance(entries, list):
         return ()
@@ -71,12 +77,14 @@ def from_yaml(text: str) -> tuple[Qos, ...]:
 def _profile(entry: dict[str, Any]) -> Qos:
     def word(key: str, numbers: dict[int, str]) -> str:
         value = entry.get(key, "unknown")
-        return numbers.get(value, "unknown") if isinstance(value, int) else str(value)
+        if isinstance(value, int):
+            return numbers.get(value, "unknown")
+        return value if value in numbers.values() else "unknown"
 
     depth = entry.get("depth", 0)
     return Qos(
         reliability=word("reliability", RELIABILITIES),
         durability=word("durability", DURABILITIES),
         history=word("history", HISTORIES),
-        depth=depth if isinstance(depth, int) else 0,
+        depth=depth if isinstance(depth, int) and 0 <= depth <= MOST_DEPTH else 0,
     )

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import struct
 import tempfile
 from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
@@ -20,12 +19,12 @@ from typing import Any, NamedTuple, Self
 
 from mcap_ros2.decoder import DecoderFactory
 
-from nw_gear_common.errors import InputError
+from nw_gear_common.errors import InputError, NwGearError
 from nw_gear_common.tables import Table
 from nw_gear_monitor.records.cdr import TABLE_TYPE, to_table
+from nw_gear_monitor.records.decoding import decoder_of
 from nw_gear_monitor.records.files import files_of
-from nw_gear_monitor.records.mcapfile import McapFile
-from nw_gear_monitor.records.mcapfile import damage as damage_of
+from nw_gear_monitor.records.mcapfile import McapFile, unusable
 from nw_gear_monitor.records.qos import Qos, from_yaml
 from nw_gear_monitor.records.rescue import rescue
 from nw_gear_monitor.records.schema import PROVENANCE, QOS_KEY
@@ -196,24 +195,17 @@ class Recording:
         """
         channel = file.summary.channels[number]
         schema = file.summary.schemas.get(channel.schema_id)
-        place = f"{self.path}: {channel.topic}"
-        try:
-            decoder = self._decoders[file.path].decoder_for(channel.message_encoding, schema)
-        except Exception as error:  # whatever the parser of definitions meets in a strange one
-            raise InputError(place, "a message definition", str(error)) from None
-        if decoder is None:
-            raise InputError(place, "messages in CDR with a ros2msg definition", channel.message_encoding)
+        decode = decoder_of(self._decoders[file.path], channel, schema, f"{self.path}: {channel.topic}")
+        if not tables or schema is None or schema.name != TABLE_TYPE:
+            return decode
 
-        def checked(data: bytes) -> Any:
-            if tables and schema is not None and schema.name == TABLE_TYPE:
-                with contextlib.suppress(InputError):
-                    return to_table(data, channel.topic)
+        def table(data: bytes) -> Any:
             try:
-                return decoder(data)
-            except (ValueError, struct.error, IndexError) as error:
-                raise InputError(place, f"a serialised {schema.name if schema else '?'}", str(error)) from None
+                return to_table(data, channel.topic)
+            except InputError:
+                return decode(data)
 
-        return checked
+        return table
 
 
 def _topics(files: Sequence[McapFile]) -> dict[str, Topic]:
@@ -228,12 +220,16 @@ def _topics(files: Sequence[McapFile]) -> dict[str, Topic]:
 
 def _repaired(paths: list[Path], damage: str, stack: contextlib.ExitStack) -> tuple[list[Path], str]:
     """Put repaired copies in the place of damaged files, in a folder that is removed with the stack."""
-    broken = {path: words for path in paths if (words := damage_of(path))}
+    broken = {path: words for path in paths if (words := unusable(path))}
     if not broken:
         return paths, damage
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="nw_gear_")))
     remarks = [damage] if damage else []
     for path, words in broken.items():
-        rescued = rescue(path, folder / path.name, words)
+        try:
+            rescued = rescue(path, folder / path.name, words)
+        except OSError as error:
+            reason = f"{error.strerror or error}; `nw_gear recover -o` repairs it elsewhere"
+            raise NwGearError(f"{path}: a repaired copy can't be written to {folder.parent}: {reason}") from None
         remarks.append(f"{path.name}: {words}; read through a repaired copy, {rescued.words()}")
     return [folder / path.name if path in broken else path for path in paths], "; ".join(remarks)

@@ -11,7 +11,7 @@ from pathlib import Path
 from nw_gear_common.errors import InputError, NwGearError
 from nw_gear_monitor.records import metadata
 from nw_gear_monitor.records.files import files_of
-from nw_gear_monitor.records.mcapfile import McapFile, damage
+from nw_gear_monitor.records.mcapfile import McapFile, unusable
 from nw_gear_monitor.records.qos import from_yaml
 from nw_gear_monitor.records.rescue import Rescued, rescue
 from nw_gear_monitor.records.scan import Scan
@@ -68,7 +68,7 @@ def recover(folder: Path, output: Path | None = None) -> Recovery:
 
 def _examine(path: Path) -> str:
     """What is wrong with a file, its chunks included; empty where it is whole."""
-    reason = damage(path)
+    reason = unusable(path)
     if reason:
         return reason
     scan = Scan(path)

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from mcap.records import Channel, Message, Metadata, Schema
 
-from nw_gear_monitor.records.mcapfile import McapFile, damage
+from nw_gear_common.errors import InputError
+from nw_gear_monitor.records.mcapfile import McapFile
 from nw_gear_monitor.records.mcapwriter import McapWriter
 from nw_gear_monitor.records.scan import Record, Scan
 from nw_gear_monitor.records.schema import PROVENANCE
@@ -49,12 +50,13 @@ def rescue(path: Path, new: Path, reason: str) -> Rescued:
     Raises:
         OSError: the new file can't be written.
     """
-    scan = Scan(path)
+    schemas, channels, places = _known(path)
+    scan = Scan(path, places)
     with contextlib.ExitStack() as stack:
         stack.callback(new.unlink, missing_ok=True)
         writer = McapWriter(new, _compression(path))
         stack.callback(writer.abandon)
-        copy = _Copy(writer, *_known(path))
+        copy = _Copy(writer, schemas, channels)
         for record in scan.records():
             copy.add(record)
         rescued = Rescued(path.name, reason, writer.count.messages, scan.lost_bytes, copy.orphans)
@@ -106,12 +108,14 @@ class _Copy:
         return self._numbers.get(channel)
 
 
-def _known(path: Path) -> tuple[dict[int, Schema], dict[int, Channel]]:
-    """Schemas and channels from the index, where a file still has one."""
-    if damage(path):
-        return {}, {}
-    with McapFile(path) as file:
-        return dict(file.summary.schemas), dict(file.summary.channels)
+def _known(path: Path) -> tuple[dict[int, Schema], dict[int, Channel], tuple[int, ...]]:
+    """Schemas, channels and places of the chunks from the index, where a file still has one."""
+    try:
+        with McapFile(path) as file:
+            places = sorted(index.chunk_start_offset for index in file.summary.chunk_indexes)
+            return dict(file.summary.schemas), dict(file.summary.channels), tuple(places)
+    except InputError:
+        return {}, {}, ()
 
 
 def _compression(path: Path) -> str:
