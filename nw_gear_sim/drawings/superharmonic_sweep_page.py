@@ -26,9 +26,7 @@ def page(found: Sweep, curve: Curve, question: Question) -> str:
         width=1200, height=600, x_axis_label="excitation frequency omega",
         y_axis_label="amplitude alpha of the third superharmonic", tools="pan,box_zoom,wheel_zoom,reset,save",
     )  # fmt: skip
-    items = []
-    if question.slope is None:
-        items.append((f"first order, trust {curve.trust:.2g}", draw_curve(plot, curve, GREY)))
+    items = [(f"first order, trust {curve.trust:.2g}", draw_curve(plot, curve, GREY))]
     if curve.exact is not None:
         items.append((f"delay equation, {question.law}", draw_exact(plot, curve.exact, "#009E73")))
     for direction in ("up", "down"):
