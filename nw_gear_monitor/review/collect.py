@@ -14,6 +14,8 @@ from nw_gear_monitor.review.rundata import Gap, Waveform
 
 TAIL_SECONDS = 4.0
 SECTION_SECONDS = 16.0
+SECTION_POINTS = 24_000
+"""Points of a stage's Poincaré section that are kept of a long run, in stretches of a second spread over it."""
 BATCH = 256
 FINE = 16384
 """Bins of the envelopes of samples: a quarter of a second each in an hour."""

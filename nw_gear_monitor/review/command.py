@@ -1,123 +1,128 @@
-"""`nw_gear review`: the report of a recording as one self-contained page."""
+"""`nw_gear review`: the report of a recording as one self-contained page, or its data for other programs."""
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 import sys
-import tempfile
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from nw_gear_common.errors import InputError
+from nw_gear_monitor.review.output import (
+    FOLDERS,
+    check_folder,
+    check_output,
+    default_output,
+    find_recording,
+    name_of,
+    write,
+)
 
-RECORDING = "recording"
-"""Name of the recording inside the folder of a run."""
+if TYPE_CHECKING:
+    from nw_gear_monitor.review.rundata import RunData
 
 
 class Format(StrEnum):
     """What can be written."""
 
     HTML = "html"
+    PARQUET = "parquet"
+    CSV = "csv"
+    JSON = "json"
 
 
 def review(
     run: Annotated[Path, typer.Argument(help="Folder of a run, or of a recording.", show_default=False)],
+    other: Annotated[Path | None, typer.Argument(help="Another run: both side by side.", show_default=False)] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="The report (default report.html in the folder of the run).")
+        Path | None,
+        typer.Option("-o", "--output", help="File (html, json) or new folder (parquet, csv); default in the run's."),
     ] = None,
-    kind: Annotated[Format, typer.Option("--format", help="What to write.")] = Format.HTML,
+    kind: Annotated[
+        Format, typer.Option("--format", help="html: the report; parquet, csv: all data; json: what the report says.")
+    ] = Format.HTML,
+    zoom: Annotated[
+        list[str] | None,
+        typer.Option("--zoom", help="START:STOP, s since start: show every sample there (repeatable)."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
 ) -> None:
-    """Write the report of a recording: wind, load, vibration, spectra, states, indicators, alarms, provenance."""
+    """Write the report of a recording, compare two, or export the data."""
     folder = find_recording(run)
-    page = output or default_output(folder)
-    check_output(page)
-    from nw_gear_monitor.review import read, summary  # noqa: PLC0415 - heavy: bokeh and the readers of recordings
-    from nw_gear_monitor.review.page import render  # noqa: PLC0415
-
-    data = read.read(folder, _progress)
-    _progress("drawing")
-    write(page, render(data))
+    second = None if other is None else find_recording(other)
+    if second is not None and kind is not Format.HTML:
+        raise InputError(f"--format {kind.value}", "html with two runs", kind.value)
+    spans = [span(text) for text in zoom or []]
+    if spans and kind is not Format.HTML:
+        raise InputError("--zoom", "--format html", f"--format {kind.value}")
+    goal = output or default_output(folder, kind.value, second)
+    (check_folder if kind.value in FOLDERS else check_output)(goal)
+    is_folder = kind.value in FOLDERS
+    found = _export(folder, goal, kind.value) if is_folder else _report(folder, second, goal, kind, spans)
     _progress("")
-    if as_json:
-        states = {row.stage: row.shares for row in summary.summarise(data).stages}
-        found = {
-            "report": str(page),
-            "format": kind.value,
-            "duration": data.duration,
-            "complete": data.complete,
-            "states": states,
-        }
-        print(json.dumps(found))
-    else:
-        print(page)
+    print(json.dumps(found) if as_json else goal)
 
 
-def find_recording(run: Path) -> Path:
-    """The recording that a path stands for: the folder itself, or `recording` in the folder of a run.
+def span(text: str) -> tuple[float, float]:
+    """Begin and end of a stretch of time, s since the start of the run, from `START:STOP`.
 
     Raises:
-        InputError: there is no such folder, or nothing of a recording in it.
+        InputError: it isn't two ascending numbers.
     """
-    if not run.is_dir():
-        raise InputError(
-            str(run), "the folder of a run or of a recording", "no such folder" if not run.exists() else "a file"
-        )
-    for folder in (run, run / RECORDING):
-        if (folder / "metadata.yaml").is_file() or any(folder.glob("*.mcap")):
-            return folder
-    raise InputError(str(run), "a recording (metadata.yaml, *.mcap), or a run with one in it", "neither")
-
-
-def default_output(recording: Path) -> Path:
-    """Where the report goes by default: into the folder of the run, else beside the recording, under its name."""
-    recording = recording.resolve()
-    return recording.parent / ("report.html" if recording.name == RECORDING else f"{recording.name}_report.html")
-
-
-def check_output(page: Path) -> None:
-    """Make sure that the report can be written, before any work is done.
-
-    Raises:
-        InputError: its folder is missing or read-only, or its name is a folder's.
-    """
-    if not page.parent.is_dir():
-        raise InputError(f"-o {page}", "a file in a folder that exists", f"no folder {page.parent}")
-    if page.is_dir():
-        raise InputError(f"-o {page}", "the name of a file", "a folder")
-    if not os.access(page.parent, os.W_OK):
-        raise InputError(f"-o {page}", "a folder that can be written to", f"{page.parent} is read-only")
-
-
-def write(page: Path, text: str) -> None:
-    """Write a file as a whole or not at all; one that is there is replaced.
-
-    Raises:
-        InputError: the file can't be written (no space, no right).
-    """
-    partial = None
+    begin, _, end = text.partition(":")
     try:
-        with tempfile.NamedTemporaryFile(
-            "w", encoding="utf-8", dir=page.parent, prefix=f".{page.name}.", delete=False
-        ) as file:
-            partial = Path(file.name)
-            file.write(text)
-        mask = os.umask(0)
-        os.umask(mask)
-        partial.chmod(0o666 & ~mask)
-        partial.replace(page)
-        partial = None
-    except OSError as error:
-        raise InputError(f"-o {page}", "a file that can be written", error.strerror or str(error)) from None
-    finally:
-        if partial is not None:
-            with contextlib.suppress(OSError):
-                partial.unlink()
+        found = float(begin), float(end)
+    except ValueError:
+        raise InputError(f"--zoom {text}", "START:STOP in seconds since the start", "something else") from None
+    if not 0.0 <= found[0] < found[1] < float("inf"):
+        raise InputError(f"--zoom {text}", "0 <= START < STOP", "another order")
+    return found
+
+
+def _report(
+    folder: Path, second: Path | None, goal: Path, kind: Format, spans: list[tuple[float, float]]
+) -> dict[str, Any]:
+    from nw_gear_monitor.review import read  # noqa: PLC0415 - heavy: bokeh and the readers of recordings
+
+    data = read.read(folder, _progress, spans)
+    found = {"report": str(goal), "format": kind.value, **_about(data)}
+    if kind is Format.JSON:
+        from nw_gear_monitor.review.export.document import document  # noqa: PLC0415 - as above
+
+        write(goal, json.dumps(document(data), allow_nan=False, indent=1) + "\n")
+        return found
+    from nw_gear_monitor.review import page  # noqa: PLC0415 - as above
+
+    if second is None:
+        _progress("drawing")
+        write(goal, page.render(data))
+        return found
+    from nw_gear_monitor.review import comparison  # noqa: PLC0415 - as above
+
+    beside = read.read(second, _progress, spans)
+    _progress("drawing")
+    write(goal, comparison.render(data, beside, (name_of(folder), name_of(second))))
+    return {**found, "other": _about(beside)}
+
+
+def _about(data: RunData) -> dict[str, Any]:
+    from nw_gear_monitor.review import summary  # noqa: PLC0415 - as above
+
+    states = {row.stage: row.shares for row in summary.summarise(data).stages}
+    return {"duration": data.duration, "complete": data.complete, "states": states}
+
+
+def _export(folder: Path, goal: Path, kind: str) -> dict[str, Any]:
+    from nw_gear_monitor.review.export.run import export  # noqa: PLC0415 - pyarrow is heavy
+
+    files, remarks = export(folder, goal, kind, _progress)
+    _progress("")
+    for words in remarks:
+        print(words, file=sys.stderr)
+    return {"folder": str(goal), "format": kind, "files": files, "remarks": remarks}
 
 
 def _progress(words: str) -> None:

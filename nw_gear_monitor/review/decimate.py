@@ -166,6 +166,44 @@ class Tail:
         return kept
 
 
+class Stretches:
+    """Blocks of rows spread evenly over a run, and the last seconds: neighbours in a block are neighbours in the run.
+
+    Args:
+        rows: about how many rows are kept.
+        seconds: how much is kept at the end in any case.
+    """
+
+    def __init__(self, rows: int, seconds: float) -> None:
+        self._most = rows
+        self._stride = 1
+        self._seen = 0
+        self._count = 0
+        self._blocks: list[Array] = []
+        self._tail = Tail(seconds)
+
+    def add(self, block: Array) -> None:
+        """Take rows of shape (n, columns), time first, later than all before."""
+        self._tail.add(block)
+        if self._seen % self._stride == 0 and len(block):
+            self._blocks.append(block)
+            self._count += len(block)
+        self._seen += 1
+        while self._count > self._most and len(self._blocks) > 1:
+            self._blocks = self._blocks[::2]
+            self._stride *= 2
+            self._count = sum(map(len, self._blocks))
+
+    def result(self) -> Array | None:
+        """The rows that were kept, in order of time; None where nothing came."""
+        tail = self._tail.result()
+        if tail is None:
+            return None
+        before = [block[block[:, 0] < tail[0, 0]] for block in self._blocks]
+        kept: Array = np.concatenate([*before, tail])
+        return kept
+
+
 class Waterfall:
     """A map of spectra over time, thinned by maxima: neighbouring rows are merged when they become too many.
 

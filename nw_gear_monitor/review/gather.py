@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,18 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.tables import Table
 from nw_gear_monitor.records.stamped import JOINTS, VECTOR, WRENCH, Rows
-from nw_gear_monitor.review.collect import SECTION_SECONDS, RowsCollector, Series, WaveformCollector, missing_columns
+from nw_gear_monitor.review import windows
+from nw_gear_monitor.review.collect import (
+    SECTION_POINTS,
+    SECTION_SECONDS,
+    RowsCollector,
+    Series,
+    WaveformCollector,
+    missing_columns,
+)
 from nw_gear_monitor.review.collect_spectra import SpectraCollector
 from nw_gear_monitor.review.collect_status import DiagnosticsCollector, TruthCollector
-from nw_gear_monitor.review.decimate import Tail
+from nw_gear_monitor.review.decimate import Stretches
 from nw_gear_monitor.review.rundata import RunData
 
 BACKWARD = 0.5
@@ -87,7 +96,7 @@ class Gatherer:
         self._axial = {b: Series((b,)) for b in names.BEARINGS}
         self._waveform: WaveformCollector | None = None
         self._spectra: dict[str, SpectraCollector] = {}
-        self._sections = {s: Tail(SECTION_SECONDS) for s in names.STAGES}
+        self._sections = {s: Stretches(SECTION_POINTS, SECTION_SECONDS) for s in names.STAGES}
         self._rows: dict[str, RowsCollector] = {}
         self._bearing_rows: dict[str, RowsCollector] = {}
         self._states = DiagnosticsCollector()
@@ -246,8 +255,8 @@ class Gatherer:
         start, end = (self._first, self._last) if np.isfinite(self._first) else bounds
         wave = self._waveform.result() if self._waveform is not None else None
         spectra = {topic: collector.result() for topic, collector in self._spectra.items()}
-        sections = {stage: tail.result() for stage, tail in self._sections.items()}
-        return RunData(
+        sections = {stage: kept.result() for stage, kept in self._sections.items()}
+        run = RunData(
             source=source,
             complete=complete,
             remarks=tuple(self.remarks),
@@ -273,6 +282,8 @@ class Gatherer:
             truth_means=self._known.means(),
             truth_message=self._known.message,
         )
+        end_of_run = windows.tail(run)
+        return run if end_of_run is None else dataclasses.replace(run, windows=(end_of_run,))
 
 
 def _add_row(rows: dict[str, RowsCollector], place: str, table: Table) -> None:

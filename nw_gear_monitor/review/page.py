@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import jinja2
 from bokeh.document import Document
@@ -14,7 +16,28 @@ from markupsafe import Markup
 import nw_gear_common
 from nw_gear_monitor.review import measured, sections, summary, template
 from nw_gear_monitor.review.figures import style
+from nw_gear_monitor.review.output import name_of
 from nw_gear_monitor.review.rundata import LEVEL_WORDS, RunData
+
+
+@dataclass(frozen=True)
+class Head:
+    """What stands above the figures.
+
+    Attributes:
+        title, subtitle: of the page.
+        headlines: colour and words.
+        remarks: what a reader has to know about the data.
+        facts: name and value.
+        footer: last line of the page.
+    """
+
+    title: str
+    subtitle: str
+    headlines: Sequence[tuple[str, str]]
+    remarks: Sequence[str]
+    facts: Sequence[tuple[str, str]]
+    footer: str
 
 
 def render(run: RunData) -> str:
@@ -23,7 +46,25 @@ def render(run: RunData) -> str:
     Where the wind came from a file that is still there, the measured wind is read again and shown beside what was used.
     """
     numbers = summary.summarise(run)
-    parts = sections.build(run, numbers, *measured.find(run))
+    head = Head(
+        title=f"Gearbox run {name_of(run.source)}",
+        subtitle=f"{summary.when(run)} · {run.duration:.1f} s",
+        headlines=[headline(run, numbers)],
+        remarks=run.remarks,
+        facts=facts(run, numbers),
+        footer=f"Made by nw_gear {nw_gear_common.__version__} from {run.source.name}.",
+    )
+    return assemble(head, sections.build(run, numbers, *measured.find(run)))
+
+
+def headline(run: RunData, numbers: summary.Summary) -> tuple[str, str]:
+    """Colour and words of the worst that happened."""
+    worst = numbers.worst
+    return style.GREY if worst is None else style.state_colour(worst[1].state), summary.headline(run, numbers)
+
+
+def assemble(head: Head, parts: Sequence[sections.Section]) -> str:
+    """One HTML text of a head and sections, that loads nothing from elsewhere."""
     models = {name: model for part in parts for name, model in part.figures.items()}
     script, divs = _embed(models)
     environment = jinja2.Environment(
@@ -32,20 +73,13 @@ def render(run: RunData) -> str:
         undefined=jinja2.StrictUndefined,
         loader=jinja2.DictLoader({"page": template.PAGE, "summary": template.SUMMARY, "table": template.TABLE}),
     )
-    worst = numbers.worst
     return environment.get_template("page").render(
-        title=f"Gearbox run {_name(run)}",
-        subtitle=f"{summary.when(run)} · {run.duration:.1f} s",
+        **vars(head),
         style=Markup(template.STYLE),
-        resources=Markup(Resources(mode="inline", components=["bokeh"]).render()),
+        resources=Markup(Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()),
         sections=parts,
         divs={name: Markup(text) for name, text in divs.items()},
         script=Markup(script),
-        headline=summary.headline(run, numbers),
-        headline_colour=style.GREY if worst is None else style.state_colour(worst[1].state),
-        remarks=run.remarks,
-        facts=facts(run, numbers),
-        footer=f"Made by nw_gear {nw_gear_common.__version__} from {run.source.name}.",
     )
 
 
@@ -59,11 +93,6 @@ def _embed(models: dict[str, Model]) -> tuple[str, dict[str, str]]:
             document.add_root(model)
     script, divs = components(models, wrap_script=True)
     return script, divs
-
-
-def _name(run: RunData) -> str:
-    """The run's folder gives it its name; a recording inside it is called just that."""
-    return run.source.parent.name if run.source.name == "recording" else run.source.name
 
 
 def _count(number: int, word: str) -> str:

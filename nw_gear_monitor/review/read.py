@@ -54,7 +54,7 @@ def read(folder: Path, progress: Progress, zoom: Sequence[tuple[float, float]] =
         waveform = next((topic for topic, relative in wanted.items() if relative == names.WAVEFORM), "")
         choices = [*windows.asked(run, zoom), *windows.worth(run)]
         found = [windows.fetch(reader, waveform, gatherer.chunks, choice) for choice in choices]
-        return dataclasses.replace(run, windows=tuple(w for w in (*found, windows.tail(run)) if w is not None))
+        return dataclasses.replace(run, windows=(*(w for w in found if w is not None), *run.windows))
 
 
 def chosen(recording: Recording, gatherer: Gatherer) -> dict[str, str]:

@@ -125,7 +125,7 @@ class RunData:
         mesh_force: at the view rate (N).
         bearing_radial, bearing_axial: at the view rate (N).
         waveform, spectra, orders: see there.
-        sections: last points of each stage, columns time, planet, x, v.
+        sections: points of each stage, stretches spread over the run and all of its end: time, planet, x, v.
         indicators: rows of each mesh.
         bearing_indicators: rows of each bearing.
         spans: history of every diagnostic status by name.

@@ -5,12 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from bokeh.models import Model, Range1d
+from bokeh.models import ColumnDataSource, Model, Range1d
 
 from nw_gear_common import names
 from nw_gear_monitor.indicators import bearing_registry, registry
 from nw_gear_monitor.review import tables
-from nw_gear_monitor.review.figures import forces, history, indicators, operation, phase, spectra, states, waterfall
+from nw_gear_monitor.review.figures import (
+    cascade,
+    chooser,
+    forces,
+    history,
+    indicators,
+    operation,
+    spectra,
+    states,
+    waterfall,
+    zoom,
+)
+from nw_gear_monitor.review.figures.chooser import Chosen
 from nw_gear_monitor.review.measured import Measured
 from nw_gear_monitor.review.rundata import RunData
 from nw_gear_monitor.review.summary import Summary
@@ -67,16 +79,19 @@ class Section:
 
 def build(run: RunData, summary: Summary, measured: Measured | None = None, remark: str = "") -> list[Section]:
     """All sections of the report, in order."""
-    time_range = Range1d(0.0, run.duration, bounds=(min(0.0, -0.02 * run.duration), 1.02 * run.duration))
+    time_range = Range1d(0.0, run.duration, bounds=(min(0.0, -0.02 * run.duration), 1.02 * run.duration), name="time")
+    windows = [zoom.window_source(run, window) for window in run.windows]
+    chosen = chooser.choose(run, windows)
     return [
         _summary(summary, run),
         _wind_and_load(run, time_range, measured, remark),
         _states(run, time_range),
-        _displacement(run, time_range),
-        _forces(run, time_range),
+        _displacement(run, time_range, windows),
+        _forces(run, time_range, windows),
+        _samples(run, chosen),
         _spectra(run),
         _waterfall(run, time_range),
-        _phase(run, summary),
+        _phase(run, summary, chosen),
         _indicators(run, time_range),
         _alarms(run, summary, time_range),
         _truth(run),
@@ -108,24 +123,41 @@ def _states(run: RunData, time_range: Range1d) -> Section:
     return section
 
 
-def _displacement(run: RunData, time_range: Range1d) -> Section:
+def _displacement(run: RunData, time_range: Range1d, windows: list[ColumnDataSource]) -> Section:
     text = (
-        "Meshing displacement x_n of every mesh, positive when the loaded flanks approach. Left: extremes over the "
-        "whole run, none is lost by the reduction. Right: the last seconds at full rate."
+        "Meshing displacement x_n of every mesh, positive when the loaded flanks approach: least and largest value of "
+        "all samples, none is lost by the reduction. Zoom in (wheel, box): the figures become finer, and show single "
+        "samples in the shaded stretches."
     )
     section = Section("displacement", "Meshing displacement", text if run.waveform else "")
-    source = history.tail_source(run)
-    for stage in names.STAGES:
-        samples = history.samples(run, stage, source) if source is not None else None
-        section.add(2, [history.envelope(run, stage, time_range), samples], "The waveform was not recorded.")
-    if run.waveform is not None:
-        section.tables.append(tables.displacement(run))
-        if run.waveform.gaps:
-            section.tables.append(tables.gaps(run))
+    if run.waveform is None:
+        section.add(1, [], "The waveform was not recorded.")
+        return section
+    zoomed = zoom.follow(run, run.waveform.displacement, zoom.MICRO, "", windows, time_range)
+    section.add(1, [history.envelope(run, stage, time_range, zoomed) for stage in names.STAGES])
+    section.tables.append(tables.displacement(run))
+    if run.waveform.gaps:
+        section.tables.append(tables.gaps(run))
     return section
 
 
-def _forces(run: RunData, time_range: Range1d) -> Section:
+def _samples(run: RunData, chosen: Chosen | None) -> Section:
+    section = Section("samples", "Every sample, and wavelet maps")
+    if chosen is None:
+        section.missing.append("The waveform was not recorded.")
+        return section
+    section.text = (
+        "Stretches that the report keeps sample by sample: where each stage vibrates most, where the first of the "
+        "worst warnings begins, the end, and what was asked for with --zoom. Wavelet maps show the same stretch over "
+        "frequency: a line that comes and goes, an impact, a subharmonic."
+    )
+    section.add(3, [chosen.pick])
+    section.add(3, chosen.samples)
+    section.add(3, [one.figure for one in chosen.maps])
+    return section
+
+
+def _forces(run: RunData, time_range: Range1d, windows: list[ColumnDataSource]) -> Section:
     section = Section("forces", "Mesh and bearing forces")
     if run.mesh_force is not None:
         section.text = (
@@ -133,9 +165,11 @@ def _forces(run: RunData, time_range: Range1d) -> Section:
             "from the least to the largest of them, and their mean. Bearing forces are envelopes of every sample."
         )
     section.add(3, [forces.mesh_force(run, s, time_range) for s in names.STAGES], "Mesh forces were not recorded.")
+    band = run.waveform.bearing if run.waveform is not None else None
+    zoomed = None if band is None else zoom.follow(run, band, zoom.KILO, "F_", windows, time_range)
     bearings = [
-        forces.bearing_force(run, PLANET_BEARINGS, "Planet bearings", time_range),
-        forces.bearing_force(run, SHAFT_BEARINGS, "Sun and output shaft bearings", time_range),
+        forces.bearing_force(run, PLANET_BEARINGS, "Planet bearings", time_range, zoomed),
+        forces.bearing_force(run, SHAFT_BEARINGS, "Sun and output shaft bearings", time_range, zoomed),
     ]
     section.add(2, bearings, "The waveform was recorded without bearing forces.")
     if run.bearing_radial:
@@ -159,24 +193,28 @@ def _waterfall(run: RunData, time_range: Range1d) -> Section:
     section = Section("waterfall", "Spectra over time")
     missing = NO_MONITOR if not run.monitored else "Fewer than two spectra were recorded: too few for a map."
     section.add(1, [waterfall.waterfall(run, stage, time_range) for stage in names.STAGES], missing)
+    section.add(3, [cascade.cascade(run, stage) for stage in names.STAGES])
     return section
 
 
-def _phase(run: RunData, summary: Summary) -> Section:
+def _phase(run: RunData, summary: Summary, chosen: Chosen | None) -> Section:
     text = (
-        "Top: the path in the plane of displacement and velocity. Below: where it is once per mesh cycle, at a fixed "
-        "mesh phase: n clusters per planet for period n, a curve for two frequencies, a scattered figure for chaos. "
-        "Lines of the other stages widen a cluster into a ring, and a changing load smears it, without being chaos. "
-        "The moving mean over 0.4 s, which follows the load, is taken out."
+        "Top: the path in the plane of displacement and velocity, in the stretch of samples chosen above; the sliders "
+        "say where in it, and how many mesh cycles. Below: where it is once per mesh cycle, at a fixed mesh phase, in "
+        "the time chosen: n clusters per planet for period n, a curve for two frequencies, a scattered figure for "
+        "chaos. Of a long run, stretches of a second spread over it are kept. Lines of the other stages widen a "
+        "cluster into a ring, and a changing load smears it, without being chaos. The moving mean over 0.4 s, which "
+        "follows the load, is taken out."
     )
     section = Section("phase", "Phase diagrams and Poincaré sections", text)
     still = NOT_TURNING if run.waveform is not None else "The waveform was not recorded."
-    shared = {stage: phase.axes(run, stage) for stage in names.STAGES}
-    section.add(3, [phase.portrait(run, s, shared[s]) for s in names.STAGES], still)
+    if chosen is not None:
+        section.add(3, chosen.controls)
+    section.add(3, [] if chosen is None else chosen.portraits, still)
     missing = NO_MONITOR if not run.monitored else "The monitor published no section points."
-    section.add(
-        3, [phase.section(run, s, shared[s]) for s in names.STAGES], missing if summary.turning else NOT_TURNING
-    )
+    figures, when = chooser.poincare(run)
+    section.add(1, [when])
+    section.add(3, figures, missing if summary.turning else NOT_TURNING)
     return section
 
 

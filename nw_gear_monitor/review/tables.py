@@ -40,7 +40,8 @@ class DataTable:
     folded: bool = False
 
 
-def _state_chip(state: str, share: float | None = None) -> Chip:
+def state_chip(state: str, share: float | None = None) -> Chip:
+    """A state in its colour, with its share of the time where that is given."""
     text = state if share is None else f"{state} {100 * share:.0f} %"
     return Chip(text, style.state_colour(state), "#fff" if state in DARK else style.INK)
 
@@ -49,14 +50,14 @@ def _stage_row(row: StageSummary, run: RunData) -> tuple[Cell, ...]:
     worst: tuple[Cell, Cell] = ("not judged", "")
     if row.worst is not None:
         at = f"{row.worst.start - run.start:.0f} to {row.worst.end - run.start:.0f} s"
-        worst = ((_state_chip(row.worst.state),), f"{at}: {row.worst.reason}" if row.worst.reason else at)
+        worst = ((state_chip(row.worst.state),), f"{at}: {row.worst.reason}" if row.worst.reason else at)
     return (
         row.stage,
         in_words(row.frequency, 1.0, "Hz", 1),
         f"{MICRO * row.rms:.2f}",
         f"{MICRO * row.peak_to_peak:.1f}",
         "not known" if row.contact_lost is None else f"{100 * row.contact_lost:.1f}",
-        tuple(_state_chip(state, share) for state, share in row.shares.items()) or "not judged",
+        tuple(state_chip(state, share) for state, share in row.shares.items()) or "not judged",
         *worst,
     )
 

@@ -91,9 +91,13 @@ PAGE = """<!DOCTYPE html>
 """
 
 SUMMARY = """
-<p class="headline" style="--band: {{ headline_colour }}">{{ headline }}</p>
+{% for colour, words in headlines %}
+<p class="headline" style="--band: {{ colour }}">{{ words }}</p>
+{% endfor %}
 {% for words in remarks %}<p class="remark">{{ words }}</p>{% endfor %}
+{% if facts %}
 <dl class="facts">{% for name, value in facts %}<div><dt>{{ name }}</dt><dd>{{ value }}</dd></div>{% endfor %}</dl>
+{% endif %}
 """
 
 TABLE = """

@@ -26,6 +26,9 @@ ROWS = 10240
 MOST_ROWS = 120_000
 """Most samples that may be asked for: they all go into the page."""
 
+LEAST = 4
+"""Fewest samples that are shown."""
+
 Chunks = Sequence[tuple[float, float, Place]]
 
 
@@ -64,7 +67,7 @@ def worth(run: RunData) -> list[Choice]:
     half = 0.5 * min(SECONDS, ROWS / wave.rate, run.duration)
     found: dict[float, list[str]] = {}
     for words, moment in _moments(run):
-        near = next((at for at in found if abs(at - moment) < half), None)
+        near = next((at for at in found if abs(at - moment) < 0.5 * half), None)
         found.setdefault(moment if near is None else near, []).append(words)
     choices = []
     for at, reasons in found.items():
@@ -99,7 +102,7 @@ def largest(band: Band) -> float:
 
 def tail(run: RunData) -> Window | None:
     """The last seconds, which are held anyway."""
-    if run.waveform is None:
+    if run.waveform is None or len(run.waveform.tail) < LEAST:
         return None
     table = run.waveform.tail
     rows = min(len(table), 2 * ROWS)
@@ -130,7 +133,7 @@ def fetch(reader: BulkReader, topic: str, chunks: Chunks, choice: Choice) -> Win
             time = value.column("time")
             blocks.append(value.data[(time >= choice.start) & (time <= choice.stop)])
     rows: Array = np.concatenate(blocks) if blocks else np.empty((0, 0))
-    if len(rows) < 2:
+    if len(rows) < LEAST:
         return None
     ascending = np.append(True, np.diff(np.maximum.accumulate(rows[:, 0])) > 0.0)
     return Window(choice.title, Table(names.ROW_SAMPLE, columns, rows[ascending]))

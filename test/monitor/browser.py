@@ -62,12 +62,15 @@ def chromium():
     return found
 
 
-def look(page, folder, width=1400):
-    """Load a page: returns what the probe saw, and the lines of the console that are errors or warnings."""
+def look(page, folder, width=1400, probe=PROBE):
+    """Load a page: returns what the probe saw, and the lines of the console that are errors or warnings.
+
+    A probe is a script that ends by putting its JSON into an element `pre` with the id `probe`.
+    """
     probed = folder / "probed.html"
     text = page.read_text(encoding="utf-8")
     end = text.rindex("</body>")
-    probed.write_text(text[:end] + PROBE + text[end:], encoding="utf-8")
+    probed.write_text(text[:end] + probe + text[end:], encoding="utf-8")
     command = [
         chromium(),
         "--headless",

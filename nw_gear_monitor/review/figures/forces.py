@@ -7,7 +7,7 @@ from bokeh.plotting import figure
 
 from nw_gear_common import names
 from nw_gear_monitor.review.figures import style
-from nw_gear_monitor.review.figures.history import longest_gap
+from nw_gear_monitor.review.figures.zoom import Zoomed, mark_windows
 from nw_gear_monitor.review.rundata import RunData
 
 KILO = 1e-3
@@ -29,16 +29,20 @@ def mesh_force(run: RunData, stage: str, time_range: Range1d) -> figure | None:
     return fig
 
 
-def bearing_force(run: RunData, bearings: tuple[str, ...], title: str, time_range: Range1d) -> figure | None:
-    """Radial forces of some bearings: envelope of every sample in the waveform."""
-    if run.waveform is None or run.waveform.bearing is None:
+def bearing_force(
+    run: RunData, bearings: tuple[str, ...], title: str, time_range: Range1d, zoomed: Zoomed | None
+) -> figure | None:
+    """Radial forces of some bearings: envelope of every sample in the waveform; where one zooms in, the samples."""
+    if run.waveform is None or run.waveform.bearing is None or zoomed is None:
         return None
     chosen = tuple(b for b in bearings if b in run.waveform.bearing.channels)
     if not chosen:
         return None
-    band = run.waveform.bearing.select(chosen)
-    fig = style.time_figure(f"{title}: radial force, envelope", "Force (kN)", time_range, height=250)
-    source = style.band_source(band, run.start, KILO, longest_gap(run.waveform))
-    items = [(b, style.draw_band(fig, source, b, colour)) for b, colour in zip(chosen, style.PALETTE, strict=False)]
+    fig = style.time_figure(f"{title}: radial force, least to largest", "Force (kN)", time_range, height=250)
+    items = []
+    for bearing, colour in zip(chosen, style.PALETTE, strict=False):
+        line = fig.line("t", f"F_{bearing}", source=zoomed.samples, line_color=colour, line_width=1.2)
+        items.append((bearing, [*style.draw_band(fig, zoomed.shown, bearing, colour), line]))
+    mark_windows(fig, run)
     style.add_legend(fig, items)
     return fig

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from bokeh.models import Range1d
+from bokeh.models import ColumnDataSource, Range1d
 from bokeh.plotting import figure
 
 from nw_gear_common import names
@@ -108,34 +109,46 @@ def _plane(title: str, shared: Axes) -> figure:
     )
 
 
-def portrait(run: RunData, stage: str, shared: Axes | None) -> figure | None:
-    """Velocity over displacement in the last mesh cycles."""
+def portrait(run: RunData, stage: str, shared: Axes | None, sources: Mapping[str, ColumnDataSource]) -> figure | None:
+    """Velocity over displacement in the last mesh cycles; puts the paths of the meshes into their sources."""
     found = paths(run, stage)
     if not found or shared is None:
         return None
     fig = _plane(f"Stage {stage}: phase diagram, last {CYCLES} mesh cycles", shared)
     items = []
     for mesh, path in found.items():
-        x, v = style.small(MICRO * path[:, 0]), style.small(MILLI * path[:, 1])
-        line = fig.line(x, v, line_color=style.MESH_COLOURS[mesh], line_width=0.9, line_alpha=0.8)
+        sources[mesh].data = {"x": style.small(MICRO * path[:, 0]), "v": style.small(MILLI * path[:, 1])}
+        colour = style.MESH_COLOURS[mesh]
+        line = fig.line("x", "v", source=sources[mesh], line_color=colour, line_width=0.9, line_alpha=0.8)
         items.append((style.mesh_label(mesh), [line]))
     style.add_legend(fig, items)
     return fig
 
 
-def section(run: RunData, stage: str, shared: Axes | None) -> figure | None:
-    """Poincaré section: (x, v) once per mesh cycle at a fixed mesh phase, the last seconds, coloured by planet."""
+def section(run: RunData, stage: str, shared: Axes | None, first: float) -> tuple[figure, dict[str, ColumnDataSource]]:
+    """Poincaré section: (x, v) once per mesh cycle at a fixed mesh phase, coloured by planet.
+
+    Args:
+        run: the run; there are points of the stage.
+        stage: I, II or III.
+        shared: axes.
+        first: begin of the points that are shown, s since the start of the run.
+
+    Returns:
+        The figure, and what is shown of each planet, by its number.
+    """
+    assert shared is not None, "there are points"
     found = points(run, stage)
-    if not len(found) or shared is None:
-        return None
-    seconds = run.sections[stage][-1, 0] - run.sections[stage][0, 0]
-    fig = _plane(f"Stage {stage}: Poincaré section, last {seconds:.0f} s ({len(found)} points)", shared)
-    items = []
-    for planet in np.unique(found[:, 0]).astype(int).tolist():
+    found = found[run.sections[stage][:, 0] - run.start >= first]
+    title = f"Stage {stage}: Poincaré section, {first:.0f} to {run.duration:.0f} s ({len(found)} points)"
+    fig = _plane(title, shared)
+    items, sources = [], {}
+    for planet in range(1, len(names.MESHES_OF_STAGE[stage]) + 1):
         own = found[found[:, 0] == planet]
-        x, v = style.small(MICRO * own[:, 1]), style.small(MILLI * own[:, 2])
-        colour = style.PLANET_COLOURS.get(planet, style.BLUE)
-        dots = fig.scatter(x, v, size=3.5, color=colour, alpha=0.6, line_color=None)
+        source = ColumnDataSource({"x": style.small(MICRO * own[:, 1]), "v": style.small(MILLI * own[:, 2])})
+        colour = style.PLANET_COLOURS[planet]
+        dots = fig.scatter("x", "v", source=source, size=3.5, color=colour, alpha=0.6, line_color=None)
         items.append((f"planet {planet}" if len(names.MESHES_OF_STAGE[stage]) > 1 else style.mesh_label(stage), [dots]))
+        sources[str(planet)] = source
     style.add_legend(fig, items)
-    return fig
+    return fig, sources

@@ -126,14 +126,15 @@ def small(values: Array) -> npt.NDArray[np.float32]:
     return np.ascontiguousarray(values, dtype=np.float32)
 
 
-def band_source(band: Band, start: float, scale: float, longest_gap: float) -> ColumnDataSource:
+def band_source(band: Band, start: float, scale: float, longest_gap: float, *, mean: bool = True) -> ColumnDataSource:
     """Data of a band, broken at gaps (s): `t`, and `low_<c>`, `high_<c>`, `mean_<c>` of each channel times `scale`."""
     broken = band.with_breaks(longest_gap)
     data: dict[str, npt.NDArray[np.float32]] = {"t": small(broken.time - start)}
     for i, channel in enumerate(band.channels):
         data[f"low_{channel}"] = small(broken.low[:, i] * scale)
         data[f"high_{channel}"] = small(broken.high[:, i] * scale)
-        data[f"mean_{channel}"] = small(broken.mean[:, i] * scale)
+        if mean:
+            data[f"mean_{channel}"] = small(broken.mean[:, i] * scale)
     return ColumnDataSource(data)
 
 
