@@ -20,7 +20,7 @@ from nw_gear_monitor.dashboard.waves import BACKWARD, Waves
 
 OPERATION_ROWS = 4000
 WIND_ROWS = 2000
-SECTION_ROWS = 3000
+SECTION_ROWS = 1500
 INDICATOR_ROWS = 900
 MOST_ANSWERS = 6
 NODES = ("wind_node", "gear_sim_node", "gear_monitor_node")

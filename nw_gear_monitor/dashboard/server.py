@@ -7,82 +7,23 @@ import errno
 import logging
 import socket
 import threading
-from typing import Any
 
 from bokeh.application import Application
 from bokeh.application.handlers.function import FunctionHandler
 from bokeh.document import Document
 from bokeh.server.server import BaseServer
-from bokeh.server.tornado import BokehTornado
 from tornado.httpserver import HTTPServer
-from tornado.httputil import HTTPServerRequest
 from tornado.ioloop import IOLoop, PeriodicCallback
-from tornado.web import RequestHandler
 
 from nw_gear_common.errors import InputError
+from nw_gear_monitor.dashboard.application import GatedTornado
 from nw_gear_monitor.dashboard.digest import Digest, digest
-from nw_gear_monitor.dashboard.gate import ALLOWED, HAND_OVER, Gate, Verdict
+from nw_gear_monitor.dashboard.gate import Gate
 from nw_gear_monitor.dashboard.page import Page, Show
 
-DIGEST_MS = 500
-UNUSED_MS = 5000
-"""How long a page that nobody looks at any more is kept (ms)."""
+DIGEST_MS = 1000
 START_WITHIN = 10.0
 STOP_WITHIN = 3.0
-
-
-class Alive(RequestHandler):
-    """Says that the server is there."""
-
-    def get(self) -> None:
-        """Answer."""
-        self.set_header("Cache-Control", "no-store")
-        self.write("alive")
-
-
-class Refusal(RequestHandler):
-    """Answers what the gate didn't let through."""
-
-    def initialize(self, verdict: Verdict, cookie: str) -> None:
-        """Take the verdict."""
-        self._verdict, self._cookie_name = verdict, cookie
-
-    def prepare(self) -> None:
-        """Refuse, or hand the token over to a cookie."""
-        if self._verdict.what == HAND_OVER and self.request.method == "GET":
-            token = self.get_query_argument("token")
-            self.set_cookie(self._cookie_name, token, httponly=True, samesite="Strict")
-            self.redirect("/")
-            return
-        self.set_status(403)
-        self.set_header("Content-Type", "text/plain; charset=utf-8")
-        self.finish(f"refused: {self._verdict.reason or 'the token belongs into the cookie'}\n")
-
-
-class GatedTornado(BokehTornado):
-    """Bokeh's application with the gate in front of every request: pages, files and websockets alike."""
-
-    def __init__(self, application: Application, gate: Gate) -> None:
-        self._gate = gate
-        super().__init__(
-            {"/": application},
-            extra_patterns=[(r"/alive", Alive)],
-            extra_websocket_origins=["*"],  # the gate has compared the origin with the host
-            use_index=False,
-            unused_session_lifetime_milliseconds=UNUSED_MS,
-            check_unused_sessions_milliseconds=UNUSED_MS,
-            include_headers=[],
-            include_cookies=[],
-        )
-
-    def find_handler(self, request: HTTPServerRequest, **kwargs: Any) -> Any:
-        """Let the gate judge first."""
-        query = request.query_arguments.get("token", [b""])[-1].decode("ascii", "replace")
-        cookie = request.cookies.get(self._gate.cookie)
-        verdict = self._gate.judge(request.headers, query, cookie.value if cookie else "")
-        if verdict.what == ALLOWED:
-            return super().find_handler(request, **kwargs)
-        return self.get_handler_delegate(request, Refusal, {"verdict": verdict, "cookie": self._gate.cookie})
 
 
 class Server:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,17 +23,26 @@ BEARING_FIRST = ("rms", "kurtosis")
 
 
 class Rows:
-    """All indicators of one place as a data source.
+    """The chosen indicators of one place as a data source; a browser gets no others.
 
     Args:
         columns: that the registry of this version knows.
+        chosen: names of those that are drawn.
     """
 
-    def __init__(self, columns: tuple[Column, ...]) -> None:
-        self._columns = tuple(column.name for column in columns)
-        self._scales = {name: wording(name, columns).scale for name in self._columns}
-        self.source = ColumnDataSource({name: np.empty(0, np.float32) for name in ("t", *self._columns)})
+    def __init__(self, columns: tuple[Column, ...], chosen: tuple[str, ...]) -> None:
+        self._columns = chosen
+        self._scales = {column.name: wording(column.name, columns).scale for column in columns}
+        self.source = ColumnDataSource({name: np.empty(0, np.float32) for name in ("t", *chosen)})
         self._seen, self._epoch = 0, -1
+
+    def choose(self, chosen: tuple[str, ...], feed: Feed | None, place: str) -> None:
+        """Draw others from now on, with all that is known of them."""
+        self._columns, self._epoch = chosen, -1
+        if feed is None:
+            self.source.data = {name: np.empty(0, np.float32) for name in ("t", *chosen)}
+        else:
+            self.update(feed, place)
 
     def update(self, feed: Feed, place: str) -> None:
         """Send the rows that are new."""
@@ -62,8 +72,14 @@ class Chosen:
     """A figure of one indicator, with the choice of it above."""
 
     def __init__(
-        self, name: str, columns: tuple[Column, ...], lines: dict[str, tuple[Rows, str, str]], shared: DataRange1d
+        self,
+        name: str,
+        columns: tuple[Column, ...],
+        lines: dict[str, tuple[Rows, str, str]],
+        shared: DataRange1d,
+        changed: Callable[[], None],
     ) -> None:
+        self._changed = changed
         self._columns, self._what = columns, "Bearings" if columns is bearing_registry.COLUMNS else "Meshes"
         options = [(column.name, wording(column.name, columns).title) for column in columns]
         self.select = Select(title=f"{self._what}: indicator", value=name, options=options, width=230)
@@ -78,6 +94,7 @@ class Chosen:
         self.select.on_change("value", self._choose)
 
     def _choose(self, _attribute: str, _old: str, new: str) -> None:
+        self._changed()  # the data first, then the lines that need them
         for line in self._lines.values():
             line.glyph.y = new
         self._label(new)
@@ -101,8 +118,9 @@ class IndicatorsPanel:
 
     def __init__(self) -> None:
         shared = DataRange1d(range_padding=0.02, default_span=60.0)
-        self._rows = {mesh: Rows(registry.COLUMNS) for mesh in names.MESHES}
-        self._rows |= {bearing: Rows(bearing_registry.COLUMNS) for bearing in names.WAVEFORM_BEARINGS}
+        self._feed: Feed | None = None
+        self._rows = {mesh: Rows(registry.COLUMNS, MESH_FIRST) for mesh in names.MESHES}
+        self._rows |= {bearing: Rows(bearing_registry.COLUMNS, BEARING_FIRST) for bearing in names.WAVEFORM_BEARINGS}
         meshes = {
             m: (self._rows[m], style.STAGE_COLOURS[names.STAGE_OF_MESH[m]], DASHES.get(m[-1], "solid"))
             for m in names.MESHES
@@ -111,15 +129,22 @@ class IndicatorsPanel:
             b: (self._rows[b], colour, "solid")
             for b, colour in zip(names.WAVEFORM_BEARINGS, style.PALETTE, strict=False)
         }
-        figures = [Chosen(name, registry.COLUMNS, meshes, shared) for name in MESH_FIRST]
-        figures += [Chosen(name, bearing_registry.COLUMNS, bearings, shared) for name in BEARING_FIRST]
+        figures = [Chosen(name, registry.COLUMNS, meshes, shared, self._chosen) for name in MESH_FIRST]
+        figures += [Chosen(name, bearing_registry.COLUMNS, bearings, shared, self._chosen) for name in BEARING_FIRST]
         self._figures = figures
         self.roots: dict[str, Model] = {}
         for i, chosen in enumerate(figures, start=1):
             self.roots |= {f"indicator_{i}": chosen.figure, f"choice_{i}": chosen.select}
 
+    def _chosen(self) -> None:
+        names_of = [figure.select.value for figure in self._figures]
+        wanted = {True: tuple(names_of[: len(MESH_FIRST)]), False: tuple(names_of[len(MESH_FIRST) :])}
+        for place, rows in self._rows.items():
+            rows.choose(wanted[place in names.MESHES], self._feed, place)
+
     def update(self, feed: Feed) -> None:
         """Send what is new."""
+        self._feed = feed
         for place, rows in self._rows.items():
             rows.update(feed, place)
         for chosen in self._figures:
