@@ -1,5 +1,6 @@
 // Reads an MCAP file with @mcap/core and decodes every message with @foxglove/rosmsg2-serialization.
 // Prints one JSON object: per topic its type, count, and every message as [log time in ns as text, message].
+// With "count" behind the file the messages are read, decompressed and counted, but neither decoded nor printed.
 
 import { open } from "node:fs/promises";
 import rosmsg from "@foxglove/rosmsg";
@@ -8,6 +9,7 @@ import { McapIndexedReader } from "@mcap/core";
 import { decompress as zstd } from "fzstd";
 import lz4 from "lz4js";
 
+const counting = process.argv[3] === "count";
 const file = await open(process.argv[2], "r");
 const readable = {
   size: async () => BigInt((await file.stat()).size),
@@ -36,7 +38,12 @@ for (const channel of reader.channelsById.values()) {
     messages: [],
   };
 }
+if (counting) Object.values(topics).forEach((topic) => (topic.count = 0));
 for await (const message of reader.readMessages()) {
+  if (counting) {
+    topics[reader.channelsById.get(message.channelId).topic].count += 1;
+    continue;
+  }
   const decoded = decoders.get(message.channelId).readMessage(message.data);
   topics[reader.channelsById.get(message.channelId).topic].messages.push([String(message.logTime), decoded]);
 }
