@@ -65,7 +65,7 @@ def make(source: Path, folder: Path, seconds: float, say: Progress) -> int:
                 payload = moved(message, recording.topics[message.topic].type, k, shift, turned, factor)
                 writer.write(numbers[message.topic], payload, message.log_time + shift, message.publish_time + shift)
         writer.close()
-    return copies * data.size
+    return int(copies * data.size)
 
 
 def moved(message: RawMessage, kind: str, k: int, shift: int, turned: np.ndarray, factor: float) -> bytes:
