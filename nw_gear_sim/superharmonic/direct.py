@@ -19,6 +19,8 @@ from nw_gear_common.tables import Array
 from nw_gear_sim.superharmonic.pair import GearPair
 
 STEPS_PER_PERIOD = 400
+MOST_STEPS = 100_000
+"""Steps per period at most: no delay but 0 may be shorter than one of them."""
 Numbers = tuple[float, ...]
 
 
@@ -50,13 +52,15 @@ def integrate(
         steps_per_period: at least; more are taken where a delay is shorter than a step.
 
     Raises:
-        InputError: no periods, or a start that is too short.
+        InputError: no periods, a start that is too short, or a delay too short for MOST_STEPS.
     """
     if periods < 1 or not omega > 0.0:
         raise InputError("periods and omega", "above 0", f"{periods} and {omega:g}")
     period = 2.0 * math.pi / omega
     delays = [tau for tau in (pair.tau_d, pair.tau_v) if tau > 0.0]
     steps = max(steps_per_period, *(math.ceil(period / tau) + 1 for tau in delays)) if delays else steps_per_period
+    if steps > MOST_STEPS:
+        raise InputError("tau_d, tau_v", f"0, or at least 1/{MOST_STEPS} of the period {period:g}", f"{min(delays):g}")
     h = period / steps
     back = math.ceil(max([0.0, *delays]) / h) + 2
     x, v = np.zeros(back + 1 + periods * steps), np.zeros(back + 1 + periods * steps)

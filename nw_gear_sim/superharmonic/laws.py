@@ -9,14 +9,15 @@ import numpy as np
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
-from nw_gear_sim.superharmonic.direct import integrate
 from nw_gear_sim.superharmonic.harmonics import Balance, NoOrbit, Orbit, basis
+from nw_gear_sim.superharmonic.lanes import advance, stepper
 from nw_gear_sim.superharmonic.pair import GearPair
 from nw_gear_sim.superharmonic.restoring import Backlash, Fit, fit_cubic, interval_of
 
 LAWS = ("cubic", "backlash")
 KINKED_ORDER, KINKED_SAMPLES = 25, 4096
 """Harmonics and points of time with the true backlash: its third derivative jumps, so harmonics fall as 1/k^3 only."""
+STEPS_PER_PERIOD = 256
 STARTING = 400
 """Periods of the excitation that a motion gets to settle where nothing else starts an iteration."""
 
@@ -64,13 +65,15 @@ def first_orbit(balance: Balance, omega: float) -> Orbit:
 
     Raises:
         NoOrbit: none found.
+        InputError: a delay too short to be integrated.
     """
     if not isinstance(balance.restoring, Backlash):
         return balance.solve(omega)
-    steps = 256
-    course = integrate(balance.pair, omega, STARTING, slope=balance.restoring.slope, steps_per_period=steps)
+    step = stepper(balance.pair, omega, balance.restoring.slope, STEPS_PER_PERIOD)
+    rest = np.zeros((step.back + 1, 1))
+    displacement, _, _ = advance(step, (rest, rest, rest), STARTING)
     try:
-        return balance.solve(omega, project(course.x[-steps - 1 : -1], balance.order))
+        return balance.solve(omega, project(displacement[-step.steps - 1 : -1, 0], balance.order))
     except NoOrbit:
         cubic = Balance(balance.pair, order=balance.order).solve(omega)
         return balance.solve(omega, cubic.coefficients)

@@ -280,6 +280,7 @@ def test_an_unstable_orbit_is_left_as_its_exponent_says():
         (lambda: branches(gear_pair("I"), "mass", np.linspace(0, 1, 3)), "axis"),
         (lambda: branches(gear_pair("I"), "omega", np.array([])), "values of omega"),
         (lambda: integrate(gear_pair("I"), 0.1, 0), "above 0"),
+        (lambda: integrate(gear_pair("I").having(tau_d=1e-9), 0.1, 1), "tau_d"),
     ],
 )
 def test_refusals(call, match):

@@ -179,6 +179,7 @@ def test_claims_as_the_contract_says(run):
         (["superharmonic", "--sweep", "--periods", "3"], "--periods"),
         (["superharmonic", "--sweep", "--tau-d", "1e-9", "--omega", "0.32:0.33:3"], "tau_d"),
         (["superharmonic", "--sweep", "--map", "g_d=0:1:3"], "at a time"),
+        (["superharmonic", "--restoring", "backlash", "--tau-v", "1e-9"], "tau_d, tau_v"),
         (["superharmonic", "--periods", "9"], "--periods"),
         (["superharmonic", "--map", "g_d=0:1:3"], "twice"),
         (["superharmonic", "--map", "g_d=0:1:3", "--map", "g_d=0:1:3"], "two different"),
