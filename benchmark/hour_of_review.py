@@ -87,10 +87,10 @@ def table(result: dict[str, Any]) -> str:
     """The result for the documentation."""
     names = ("written", "wall time (s)", "CPU time (s)", "memory (MB)", "size (MB)", "load before")
     head = [f"| {' | '.join(names)} |", "|---" * len(names) + "|"]
-    rows = [
-        f"| {cost.format} | {cost.wall:.1f} | {cost.cpu:.1f} | {cost.memory:.0f} | {cost.written:.1f} | {cost.load:.1f} |"
-        for cost in (Cost(**entry) for entry in result["costs"])
-    ]
+    rows = []
+    for cost in (Cost(**entry) for entry in result["costs"]):
+        numbers = (f"{n:.1f}" for n in (cost.wall, cost.cpu, cost.memory, cost.written, cost.load))
+        rows.append(f"| {cost.format} | {' | '.join(numbers)} |")
     words = (
         f"A recording of {result['seconds']:g} s with {result['values'] / 1e6:.0f} million values in its waveform, "
         f"{result['messages'] / 1e6:.1f} million messages, {result['size_gb']:.1f} GB; {result['cores']} cores of "

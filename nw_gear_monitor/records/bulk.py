@@ -36,13 +36,13 @@ class _Channel:
         self._head = b""
         self._form: Form | None = None
 
-    def value(self, batch: Batch, number: int) -> Any:
+    def value(self, batch: Batch, number: int, copy: bool) -> Any:
         """A table, or an object with the fields of the type."""
         begin, end = int(batch.start[number]), int(batch.end[number])
         if self._layout is not None and batch.data[begin : begin + len(self._head)].tobytes() == self._head:
             numbers = begin + self._layout.begin
             if numbers + self._layout.size <= end:
-                return self._table(self._layout, batch.data[numbers : numbers + self._layout.size])
+                return _table(self._layout, batch.data[numbers : numbers + self._layout.size], copy)
         data = batch.data[begin:end].tobytes()
         if self.kind == TABLE_TYPE:
             with contextlib.suppress(InputError):
@@ -59,10 +59,11 @@ class _Channel:
             self._form = form
             yield found
 
-    def _table(self, known: Layout, content: Bytes) -> Table:
-        """A table whose head is the one before: its numbers, aligned."""
-        values = content.copy().view(known.order + "f8").astype(np.float64, copy=False)
-        return Table(known.row, known.columns, values.reshape(known.rows, len(known.columns)))
+
+def _table(known: Layout, content: Bytes, copy: bool) -> Table:
+    """A table whose head is the one before."""
+    values = (content.copy() if copy else content).view(known.order + "f8").astype(np.float64, copy=False)
+    return Table(known.row, known.columns, values.reshape(known.rows, len(known.columns)))
 
 
 class BulkBatch:
@@ -97,13 +98,17 @@ class BulkBatch:
         """When a message was recorded, s."""
         return _NANO * float(self._batch.log_time[number])
 
-    def value(self, number: int) -> Any:
+    def value(self, number: int, *, copy: bool = True) -> Any:
         """Content of a message: a `Table`, or an object with the fields of its type.
+
+        Args:
+            number: of the message.
+            copy: without it a table may be a read-only view of the chunk, which isn't aligned.
 
         Raises:
             InputError: it doesn't fit its type.
         """
-        return self._channels[int(self._batch.channel[number])].value(self._batch, number)
+        return self._channels[int(self._batch.channel[number])].value(self._batch, number, copy)
 
     def rows(self, topic: str, numbers: Whole) -> Iterator[Rows]:
         """Numbers of messages of a topic whose type is one of `stamped.TYPES`.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +17,8 @@ SECTION_SECONDS = 16.0
 SECTION_POINTS = 24_000
 """Points of a stage's Poincaré section that are kept of a long run, in stretches of a second spread over it."""
 BATCH = 256
+TOGETHER = 4096
+"""Samples that are worked on at once."""
 FINE = 16384
 """Bins of the envelopes of samples: a quarter of a second each in an hour."""
 LONGEST_HISTORY = 4000
@@ -80,7 +82,11 @@ class WaveformCollector:
         self._bearing = Envelope(self.bearings, FINE)
         self._frequency = Envelope(names.STAGES)
         self._tail = Tail(TAIL_SECONDS)
-        self.chunks: list[tuple[float, float, Hashable]] = []
+        self.chunks: list[tuple[float, float, Any]] = []
+        self._waiting: list[Array] = []
+        self._together: Array = np.empty((0, len(columns)))
+        self._rows = 0
+        self._turns: list[list[float]] = []
         self._gaps: list[Gap] = []
         self._intervals = np.zeros(2)
         self.last = -np.inf
@@ -88,28 +94,47 @@ class WaveformCollector:
         self._shift: Array | None = None
         self._sums = np.zeros((2, len(names.MESHES)))
 
-    def add(self, data: Array, place: Hashable = None) -> None:
+    def add(self, data: Array, place: Any = None) -> None:
         """Take the rows of one block; `place` is where it can be read again."""
-        time = data[:, 0]
-        if not len(time):
+        if not len(data):
             return
-        if len(time) > 1:
-            self._intervals += len(time) - 1, time[-1] - time[0]
-            turns = (data[-1, self._phase] - data[0, self._phase]) / (2.0 * np.pi * (time[-1] - time[0]))
-            self._frequency.add(time[:1], turns[None, :])
-        if np.isfinite(self.last) and time[0] - self.last > 1.5 / self._rate():
-            self._gaps.append(Gap(self.last, float(time[0] - self.last)))
-        self.last = float(time[-1])
-        self._remember(float(time[0]), place)
-        self._displacement.add(time, data, self._x)
-        if self.bearings:
-            self._bearing.add(time, np.hypot(data[:, self._fx], data[:, self._fy]))
+        first, last = float(data[0, 0]), float(data[-1, 0])
+        if len(data) > 1:
+            self._intervals += len(data) - 1, last - first
+            turns = (data[-1, self._phase] - data[0, self._phase]) / (2.0 * np.pi * (last - first))
+            self._turns.append([first, *turns.tolist()])
+        if first - self.last > 1.5 / self._rate() and np.isfinite(self.last):
+            self._gaps.append(Gap(self.last, first - self.last))
+        self.last = last
+        self._remember(first, place)
         self._shift = data[0, self._x] if self._shift is None else self._shift
-        moments(data, self._x, self._shift, self._sums[0], self._sums[1])
-        self._count += len(time)
-        self._tail.add(data)
+        self._count += len(data)
+        self._waiting.append(data)
+        self._rows += len(data)
+        if self._rows >= TOGETHER:
+            self._fold()
 
-    def _remember(self, first: float, place: Hashable) -> None:
+    def _fold(self) -> None:
+        """Work on the blocks that came since the last time, all at once."""
+        if not self._waiting or self._shift is None:
+            return
+        if len(self._together) < self._rows:  # kept from time to time: fresh memory costs more than the work on it
+            self._together = np.empty((self._rows, len(self.columns)))
+        data: Array = self._together[: self._rows]
+        np.concatenate(self._waiting, out=data)
+        for block in self._waiting:
+            self._tail.add(block)
+        self._waiting, self._rows = [], 0
+        if self._turns:
+            turns = np.array(self._turns)
+            self._turns = []
+            self._frequency.add(turns[:, 0], turns[:, 1:])
+        self._displacement.add(data[:, 0], data, self._x)
+        if self.bearings:
+            self._bearing.add(data[:, 0], np.hypot(data[:, self._fx], data[:, self._fy]))
+        moments(data, self._x, self._shift, self._sums[0], self._sums[1])
+
+    def _remember(self, first: float, place: Any) -> None:
         """Note which stretch of time stands where."""
         if self.chunks and self.chunks[-1][2] == place:
             self.chunks[-1] = (self.chunks[-1][0], self.last, place)
@@ -122,6 +147,7 @@ class WaveformCollector:
 
     def result(self) -> Waveform | None:
         """What was collected, None where nothing came."""
+        self._fold()
         displacement, frequency, tail = self._displacement.result(), self._frequency.result(), self._tail.result()
         if displacement is None or frequency is None or tail is None:
             return None

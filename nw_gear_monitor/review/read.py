@@ -80,7 +80,8 @@ def chosen(recording: Recording, gatherer: Gatherer) -> dict[str, str]:
 def feed(gatherer: Gatherer, batch: BulkBatch, wanted: Mapping[str, str]) -> None:
     """Give the messages of a chunk to the gatherer.
 
-    Messages of views are taken in bulk. Only where the run starts over does their place among the others matter.
+    Messages of views are taken in bulk: only where the run starts over does their place among the others matter.
+    Collectors copy what they keep of a table.
     """
     views = {topic: batch.of(topic) for topic, relative in wanted.items() if relative in VIEWS}
 
@@ -94,7 +95,7 @@ def feed(gatherer: Gatherer, batch: BulkBatch, wanted: Mapping[str, str]) -> Non
 
     others: Whole = batch.of(*(topic for topic, relative in wanted.items() if relative not in VIEWS))
     for number in others.tolist():
-        relative, value = wanted[batch.topic(number)], batch.value(number)
+        relative, value = wanted[batch.topic(number)], batch.value(number, copy=False)
         if gatherer.starts_over(relative, value):
             flush(number)
         gatherer.take(relative, batch.log_time(number), value, batch.place)
