@@ -26,7 +26,8 @@ RUNTIME = (
     "mcap>=1.2",
     "mcap-ros2-support>=0.5",
     "zstandard",
-    "bokeh>=3.4",
+    "bokeh>=3.9,<3.10",  # the live page overrides parts of its server
+    "tornado>=6.4",
     "Jinja2",
     "MarkupSafe",
     "typer>=0.12",
