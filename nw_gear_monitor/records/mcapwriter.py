@@ -19,6 +19,9 @@ COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none"
 
 LIBRARY = f"nw_gear {__version__}"
 CHUNK_SIZE = 1024 * 1024
+RECORD_BYTES = 50
+"""What a schema or a channel takes at most besides its texts."""
+
 MESSAGE_BYTES = 31 + 16
 """What a message takes besides its content: head of the record, and its entry in the message index."""
 
@@ -75,10 +78,12 @@ class McapWriter:
         key = (name, encoding, data)
         if key not in self._schemas:
             self._schemas[key] = self._writer.register_schema(name, encoding, data)
+            self._waiting += len(data) + len(name) + RECORD_BYTES
         return self._schemas[key]
 
     def add_channel(self, topic: str, encoding: str, schema: int, details: dict[str, str]) -> int:
         """Register a channel."""
+        self._waiting += sum(len(text) for pair in details.items() for text in pair) + len(topic) + RECORD_BYTES
         return self._writer.register_channel(topic, encoding, schema, details)
 
     def write(self, channel: int, data: bytes, log_time: int, publish_time: int, sequence: int = 0) -> None:

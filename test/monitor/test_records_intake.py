@@ -1,5 +1,8 @@
 """Log times, pause, loss and the choice of topics, without ROS."""
 
+import json
+import time
+
 import pytest
 from builtin_interfaces.msg import Time
 from rclpy.serialization import serialize_message
@@ -7,6 +10,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from nw_gear_common.errors import InputError
+from nw_gear_monitor.nodes.ears import Ears
 from nw_gear_monitor.nodes.intake import Incoming, Intake
 from nw_gear_monitor.records.definitions import define
 from nw_gear_monitor.records.metadata import TopicEntry
@@ -126,3 +130,77 @@ def test_topics_are_chosen_by_names_and_expressions(entries, wanted, unwanted):
 def test_a_wrong_expression_is_named():
     with pytest.raises(InputError, match=r"topics\[1\].*'\('"):
         Selection(("a", "("), "/nw_gear")
+
+
+def test_what_is_missing_is_counted_by_topic_and_by_reason(tmp_path):
+    recorder = Recorder(tmp_path / "run")
+    for topic in ("/a", "/b", "/c"):
+        recorder.begin(topic)
+    for number in (1, 2, 5):
+        recorder.word("/a", "x", number)
+    recorder.intake.paused = True
+    recorder.word("/b", "x", 1)
+    recorder.intake.paused = False
+    recorder.intake.type_changed("/b", True)
+    recorder.word("/b", "x", 2)
+    recorder.word("/b", "x", 3)
+    recorder.intake.type_changed("/b", False)
+    recorder.word("/b", "again", 4)
+    found = {topic: json.loads(counts) for topic, counts in recorder.intake.missing().items()}
+    assert found == {
+        "/a": {"lost": 2, "paused": 0, "other_type": 0},
+        "/b": {"lost": 0, "paused": 1, "other_type": 2},
+    }
+    assert [word for word, _time in recorder.recorded()] == ["x", "x", "x", "again"]
+
+
+class Queue:
+    """What waits in the middleware for one subscription."""
+
+    msg_type = None
+
+    def __init__(self):
+        self.handle = self
+        self.waiting = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def take_message(self, _kind, _raw):
+        if not self.waiting:
+            return None
+        received, data = self.waiting.pop(0)
+        return data, {"publication_sequence_number": 1, "received_timestamp": received, "source_timestamp": 0}
+
+
+@pytest.fixture
+def ears(monkeypatch):
+    """Ears without a node, a clock that is set by hand, and two queues."""
+    found = Ears.__new__(Ears)
+    found._kept, found._began = [], 0
+    found._subscriptions = {"/a": Queue(), "/b": Queue()}
+    clock = [0]
+    monkeypatch.setattr(time, "time_ns", lambda: clock[0])
+
+    def take(now, **arrived):
+        for name, received in arrived.items():
+            found._subscriptions[f"/{name}"].waiting += [(stamp, name) for stamp in received]
+        clock[0] = now
+        return [(message.topic, message.received) for message in found.take()]
+
+    return take
+
+
+def test_messages_of_several_topics_come_in_the_order_of_their_arrival(ears):
+    assert ears(100, a=[50, 90, 120], b=[60, 130]) == [("/a", 50), ("/b", 60), ("/a", 90)]
+    assert ears(200, b=[150]) == [("/a", 120), ("/b", 130), ("/b", 150)]
+
+
+def test_a_clock_that_is_set_back_holds_nothing_up(ears):
+    assert ears(1000, a=[990], b=[1010]) == [("/a", 990)]
+    assert ears(500, a=[1020, 495]) == [("/b", 1010), ("/a", 1020), ("/a", 495)]
+    assert ears(520, b=[510, 530]) == [("/b", 510)]
+    assert ears(540) == [("/b", 530)]

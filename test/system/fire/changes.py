@@ -62,6 +62,7 @@ def changing_topics(place: Path) -> dict[str, Any]:
         talker.become(String, BEST_EFFORT)
         talker.say(String(data="best effort"))
         talker.become(String, LATCHED)
+        probe.wait_until(lambda: process.stderr.count("adapting") == 2, process, limit=30.0)
         talker.say(String(data="latched"))
         talker.become(Bool, live_qos(10))
         talker.say(Bool(data=True), Bool(data=False))
