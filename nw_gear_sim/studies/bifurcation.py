@@ -105,21 +105,11 @@ def compute(piece: Piece) -> dict[str, Array]:
     """
     plan = piece.plan
     points = list(piece.configurations)
-    batch = _begin(piece, points)
+    batch = begin(piece)
     if plan.transient:
         batch.advance(periods=plan.transient, stage=plan.stage)
     span = batch.advance(periods=plan.record, stage=plan.stage)
-    end = batch.end()
-    found = _readings(span)
-    rate = error = np.full(len(points), np.nan)
-    if plan.exponent_periods:
-        interval = plan.exponent_periods * float(np.max(batch.period(plan.stage)))
-        exponents = largest_exponents(
-            points, end, excitation=plan.excitation, ring=plan.ring, step=plan.step,
-            interval=interval, intervals=EXPONENT_INTERVALS,
-        )  # fmt: skip
-        rate, error = exponents.rate, exponents.error
-    return {**found, "rate": rate, "error": error, **{END + name: part for name, part in _as_arrays(end).items()}}
+    return {**readings(span), **exponents(batch, points, plan), **_as_parts(batch.end())}
 
 
 def carried(arrays: Mapping[str, Array], plan: Plan) -> End:
@@ -195,15 +185,21 @@ def period_of(x: Array, v: Array, scale: tuple[float, float]) -> int:
     return 1
 
 
-def _begin(piece: Piece, points: list[Configuration]) -> Batch:
-    plan = piece.plan
-    rate = 1.0 / plan.step / max(1, round(1.0 / plan.step / (SAMPLES_PER_PERIOD * _fastest(points))))
+def begin(piece: Piece, sample_rate: float | None = None) -> Batch:
+    """Return the points of a piece before their transient.
+
+    Args:
+        sample_rate: of the waveform, Hz; None: SAMPLES_PER_PERIOD of the highest mesh frequency.
+    """
+    plan, points = piece.plan, list(piece.configurations)
+    if sample_rate is None:
+        sample_rate = 1.0 / plan.step / max(1, round(1.0 / plan.step / (SAMPLES_PER_PERIOD * _fastest(points))))
     return Batch(
         points,
         excitation=plan.excitation,
         ring=plan.ring,
         step=plan.step,
-        sample_rate=rate,
+        sample_rate=sample_rate,
         section=plan.stage if plan.excitation == "tied" else "own",
         start="equilibrium" if piece.start is None else piece.start,
         threads=1,
@@ -215,7 +211,20 @@ def _fastest(points: list[Configuration]) -> float:
     return max(derive(c).mesh_frequency_hz("III", derive(c).ring_speed) for c in points)
 
 
-def _readings(span: Span) -> dict[str, Array]:
+def exponents(batch: Batch, points: list[Configuration], plan: Plan) -> dict[str, Array]:
+    """Return `rate` and `error` (points,) of the largest exponents from where a batch is, 1/s; NaN if not asked for."""
+    if not plan.exponent_periods:
+        return {name: np.full(len(points), np.nan) for name in ("rate", "error")}
+    interval = plan.exponent_periods * float(np.max(batch.period(plan.stage)))
+    found = largest_exponents(
+        points, batch.end(), excitation=plan.excitation, ring=plan.ring, step=plan.step,
+        interval=interval, intervals=EXPONENT_INTERVALS,
+    )  # fmt: skip
+    return {"rate": found.rate, "error": found.error}
+
+
+def readings(span: Span) -> dict[str, Array]:
+    """Return what `compute` gives of a record: sections, deviations, periods, shares."""
     points = span.section_x.shape[0]
     deviation = np.std(span.x, axis=1)
     interval = float(span.time[1] - span.time[0])
@@ -240,5 +249,6 @@ def _settled(x: Array, scale: float) -> bool:
     return bool(max(abs(first.mean() - second.mean()), abs(first.std() - second.std())) < SETTLED * scale)
 
 
-def _as_arrays(end: End) -> dict[str, Array]:
-    return {**end.parts, "angle": end.angle, "pairs": np.array(end.pairs, dtype=np.int64)}
+def _as_parts(end: End) -> dict[str, Array]:
+    parts: dict[str, Any] = {**end.parts, "angle": end.angle, "pairs": np.array(end.pairs, dtype=np.int64)}
+    return {END + name: part for name, part in parts.items()}
