@@ -11,12 +11,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from nw_gear_common.errors import NwGearError
 from nw_gear_common.tables import Array
 from nw_gear_sim.superharmonic.pair import GearPair
 from nw_gear_sim.superharmonic.restoring import Cubic, Restoring
 
+Complex = npt.NDArray[np.complex128]
 HARMONICS = 9
 SAMPLES = 128
 """Points of time per period; products of three harmonics of order H fold back only above H."""
@@ -73,7 +75,7 @@ class Balance:
     Args:
         pair: its numbers.
         restoring: force per mass; the pair's own cubic by default.
-        order: highest harmonic; samples: points of time per period.
+        order: highest harmonic; samples: points of time per period, at least 4 order + 2.
     """
 
     def __init__(
@@ -82,23 +84,21 @@ class Balance:
         self.pair = pair
         self.order = order
         self.restoring = restoring or Cubic(pair.w0**2, pair.eps * pair.q * pair.w0)
-        self._to_time = basis(order, 2.0 * np.pi * np.arange(samples) / samples)
-        weights = np.full(2 * order + 1, 2.0 / samples)
-        weights[0] = 1.0 / samples
-        self._to_orders = weights[:, None] * self._to_time.T
+        self._samples = samples
         self._load = np.zeros(2 * order + 1)
         self._load[0], self._load[1] = pair.mean_force, pair.force
 
     def residual(self, coefficients: Array, omega: float) -> Array:
         """Return what the equation leaves in each harmonic, (2 H + 1,)."""
-        force = self._to_orders @ self.restoring.force(self._to_time @ coefficients)
+        spectrum = np.fft.rfft(self.restoring.force(self._in_time(coefficients)))[: self.order + 1] / self._samples
+        force = np.concatenate([spectrum.real[:1], 2.0 * spectrum.real[1:], -2.0 * spectrum.imag[1:]])
         residual: Array = self._linear(omega) @ coefficients + force - self._load
         return residual
 
     def jacobian(self, coefficients: Array, omega: float) -> tuple[Array, Array]:
         """Return the derivatives of the residual by the coefficients, (2 H + 1, 2 H + 1), and by omega, (2 H + 1,)."""
-        slope = self.restoring.stiffness(self._to_time @ coefficients)
-        by_coefficients = self._linear(omega) + self._to_orders @ (slope[:, None] * self._to_time)
+        slope = self.restoring.stiffness(self._in_time(coefficients))
+        by_coefficients = self._linear(omega) + self._of_stiffness(np.fft.rfft(slope) / self._samples)
         return by_coefficients, self._linear(omega, derivative=True) @ coefficients
 
     def solve(self, omega: float, start: Array | None = None) -> Orbit:
@@ -156,6 +156,27 @@ class Balance:
             if (omega - until) * (first.omega - until) <= 0.0:
                 return
             yield Orbit(omega, z[:-1])
+
+    def _in_time(self, coefficients: Array) -> Array:
+        """Return the displacement at the points of time of a period."""
+        spectrum = np.zeros(self._samples // 2 + 1, dtype=complex)
+        n = self.order
+        spectrum[0] = self._samples * coefficients[0]
+        spectrum[1 : n + 1] = 0.5 * self._samples * (coefficients[1 : n + 1] - 1j * coefficients[n + 1 :])
+        return np.fft.irfft(spectrum, self._samples)
+
+    def _of_stiffness(self, spectrum: Complex) -> Array:
+        """Return the derivative of the force by the coefficients, from the Fourier coefficients S_m of the stiffness.
+
+        The product of K(t) and cos(j theta) has in harmonic k the parts S_(k-j) and S_(k+j), and so on.
+        """
+        k = np.arange(self.order + 1)
+        apart, together = k[:, None] - k[None, :], spectrum[k[:, None] + k[None, :]]
+        difference = np.where(apart < 0, np.conj(spectrum[np.abs(apart)]), spectrum[np.abs(apart)])
+        cosines = np.hstack([(together + difference).real, (difference - together).imag[:, 1:]])
+        cosines[0] *= 0.5
+        sines = np.hstack([-(together + difference).imag, (difference - together).real[:, 1:]])
+        return np.vstack([cosines, sines[1:]])
 
     def _linear(self, omega: float, *, derivative: bool = False) -> Array:
         """Return the matrix of inertia, damping and feedback on the coefficients, or its derivative by omega."""

@@ -18,12 +18,11 @@ from scipy.interpolate import CubicSpline
 
 from nw_gear_common.errors import InputError
 from nw_gear_common.tables import Array
-from nw_gear_sim.superharmonic.harmonics import Balance, NoOrbit, Orbit
+from nw_gear_sim.superharmonic.harmonics import NoOrbit, Orbit
 from nw_gear_sim.superharmonic.jumps import Jump
 from nw_gear_sim.superharmonic.lanes import Stepper, advance, stepper
-from nw_gear_sim.superharmonic.laws import project
+from nw_gear_sim.superharmonic.laws import balance_of, project
 from nw_gear_sim.superharmonic.pair import GearPair
-from nw_gear_sim.superharmonic.restoring import Backlash
 
 MOST_PERIODS = 2000
 STEPS_PER_PERIOD = {"cubic": 200, "backlash": 400}
@@ -36,8 +35,8 @@ LOOKS = 10
 ORDER = 9
 SMALL_STEP = 0.02
 """Part of the largest alpha up to which a step of alpha isn't looked into."""
-FOLLOWING, MOST_FOLLOWED, COARSE_ORDER = 0.05, 60, 15
-"""Step along a branch, steps at most, and harmonics with a backlash, where a step of alpha is looked into."""
+FOLLOWING, MOST_FOLLOWED = 0.05, 200
+"""Step along a branch, and steps at most, where a step of alpha is looked into."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +181,7 @@ def _left(pair: GearPair, before: Step, after: Step, slope: float | None) -> tup
     halfway = (0.5 * (before.omega + after.omega), before.alpha)
     if not before.settled:
         return None
-    balance = Balance(pair) if slope is None else Balance(pair, Backlash(slope), order=COARSE_ORDER, samples=1024)
+    balance = balance_of(pair, slope)
     try:
         orbit = balance.solve(before.omega, _longer(before.coefficients, balance.order))
         alpha = orbit.amplitude(3)
