@@ -90,6 +90,7 @@ def test_deviation_follows_a_neighbouring_motion():
     assert np.max(np.abs(carried - wanted)) < 1e-4 * np.max(np.abs(wanted))
 
 
+@pytest.mark.slow
 def test_deviation_follows_a_neighbour_through_rattling():
     """Flanks that meet and part twenty times in 10 ms, with damping inside the gap."""
     fine = config.with_values({"numerics.step": 1 / 81920}, config.load("rattling"))
@@ -97,6 +98,7 @@ def test_deviation_follows_a_neighbour_through_rattling():
     assert np.max(np.abs(carried - wanted)) < 2e-3 * np.max(np.abs(wanted))
 
 
+@pytest.mark.slow
 def test_all_deviations_shrink_by_the_divergence():
     """log |det| of the map of some steps is the integral of the trace; off by the fifth power of the step."""
     off = []
