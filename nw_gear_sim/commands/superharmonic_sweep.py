@@ -13,6 +13,7 @@ from nw_gear_sim.commands.superharmonic_files import write
 from nw_gear_sim.commands.tables import show
 from nw_gear_sim.drawings.superharmonic_sweep_page import page
 from nw_gear_sim.superharmonic import family
+from nw_gear_sim.superharmonic.firstorder import TRUSTED, coefficients, trust
 from nw_gear_sim.superharmonic.sweeping import MOST_PERIODS, Sweep, sweep
 
 if TYPE_CHECKING:
@@ -45,7 +46,8 @@ def sweeps(
         periods=MOST_PERIODS if periods is None else periods,
         say=_say,
     )
-    shown = {**question.as_object(), **found.as_object()}
+    measure = trust(question.pair, coefficients(question.pair, frequencies, question.mode))
+    shown = {**question.as_object(), "trust": float(np.max(measure)) / TRUSTED, **found.as_object()}
     if files:
         shown["files"] = write(
             files, question, "superharmonic sweep", lambda: _page(found, question, frequencies), found.table
@@ -54,6 +56,9 @@ def sweeps(
         print(json.dumps(shown))
     else:
         _print(found, question)
+        print(
+            f"trust of the first order at these frequencies: {shown['trust']:.3g} (above 1: off by more than about 5 %)"
+        )
 
 
 def _page(found: Sweep, question: Question, frequencies: Array) -> str:
