@@ -11,12 +11,14 @@ not a test: nothing passes or fails here.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import subprocess
 import sys
 import tempfile
 import time
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmark" / "results" / "dashboard.json"
 PAGE = ROOT / "docs" / "dashboard.md"
 READER = Path(__file__).resolve().with_name("page_reader.py")
+PATIENCE = 300.0
 SETTLE = 20.0
 PORT = 8911
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -39,6 +42,15 @@ def start_readers(pages: int, seconds: float) -> list[subprocess.Popen[str]]:
     """Pages as processes of their own."""
     command = [sys.executable, str(READER), f"http://127.0.0.1:{PORT}/", f"{seconds:g}"]
     return [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(pages)]
+
+
+def wait_for_page() -> None:
+    """Wait until the server answers."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        with contextlib.suppress(OSError), urllib.request.urlopen(f"http://127.0.0.1:{PORT}/alive", timeout=30.0):
+            return
+        time.sleep(0.5)
 
 
 def processor(pid: int) -> float:
@@ -60,7 +72,8 @@ def load(pid: int, pages: int, seconds: float) -> dict[str, float]:
     cpu, wall = processor(pid), time.monotonic()
     time.sleep(seconds)
     share = (processor(pid) - cpu) / (time.monotonic() - wall)
-    found = [json.loads(reader.communicate(timeout=120)[0]) for reader in readers]
+    busy = os.getloadavg()[0] / len(os.sched_getaffinity(0))
+    found = [json.loads(reader.communicate(timeout=PATIENCE)[0]) for reader in readers]
     rate, size = (
         sum(each[key] for each in found) / max(1, len(found)) for key in ("updates_per_second", "bytes_per_second")
     )
@@ -68,6 +81,7 @@ def load(pid: int, pages: int, seconds: float) -> dict[str, float]:
         "pages": pages,
         "seconds": seconds,
         "core_share": round(share, 3),
+        "machine_load": round(busy, 2),
         "updates_per_second": round(rate, 2),
         "kilobytes_per_second": round(1e-3 * size, 1),
     }
@@ -84,7 +98,7 @@ def growth(pid: int, minutes: float, page_seconds: float) -> dict[str, Any]:
         samples.append((now, memory(pid)))
         time.sleep(2.0)
     for reader in readers:
-        reader.wait(120)
+        reader.wait(PATIENCE)
     late = [(at, size) for at, size in samples if at > FIRST]
     middle = 0.5 * (late[0][0] + late[-1][0])
     first = [size for at, size in late if at <= middle]
@@ -101,7 +115,7 @@ def growth(pid: int, minutes: float, page_seconds: float) -> dict[str, Any]:
     }
 
 
-def measure(seconds: float, minutes: float, factor: float) -> dict[str, Any]:
+def measure(seconds: float, minutes: float, factor: float, pages: list[int]) -> dict[str, Any]:
     """Start the suite and measure its dashboard."""
     with tempfile.TemporaryDirectory() as folder:
         clocked = {"use_sim_time": "true"} if factor != 1.0 else {}
@@ -114,8 +128,8 @@ def measure(seconds: float, minutes: float, factor: float) -> dict[str, Any]:
         children = [Child(name, parameters, Path(folder) / f"{name}.log") for name, parameters in wanted]
         try:
             pid = children[-1].pid
-            time.sleep(SETTLE)
-            loads = [load(pid, pages, seconds) for pages in (0, 1, 3)] if seconds else []
+            wait_for_page()
+            loads = [load(pid, number, seconds) for number in pages] if seconds else []
             return {"real_time_factor": factor, "load": loads, "memory": growth(pid, minutes, 15.0)}
         finally:
             stop_all(children)
@@ -123,9 +137,13 @@ def measure(seconds: float, minutes: float, factor: float) -> dict[str, Any]:
 
 def table(result: dict[str, Any]) -> str:
     """The result for the documentation."""
-    rows = ["| pages open | updates/s, each | kB/s, each | processor (share of a core) |", "|---|---|---|---|"]
+    rows = [
+        "| pages open | updates/s, each | kB/s, each | processor (share of a core) | processes waiting for a core |",
+        "|---|---|---|---|---|",
+    ]
     rows += [
-        f"| {r['pages']} | {r['updates_per_second']:.1f} | {r['kilobytes_per_second']:.0f} | {r['core_share']:.2f} |"
+        f"| {r['pages']} | {r['updates_per_second']:.1f} | {r['kilobytes_per_second']:.0f} | {r['core_share']:.2f} "
+        f"| {r['machine_load']:.1f} |"
         for r in result["load"]
     ]
     m = result["memory"]
@@ -143,8 +161,9 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=150.0, help="length of each measurement of the processor")
     parser.add_argument("--minutes", type=float, default=12.0, help="length of the measurement of the memory")
     parser.add_argument("--factor", type=float, default=1.0, help="speed of the simulation")
+    parser.add_argument("--pages", type=int, nargs="+", default=[0, 1, 3], help="pages open at the same time")
     arguments = parser.parse_args()
-    result = measure(arguments.seconds, arguments.minutes, arguments.factor)
+    result = measure(arguments.seconds, arguments.minutes, arguments.factor, arguments.pages)
     RESULTS.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     if PAGE.exists():
         write_between(PAGE, "measured", table(result))

@@ -19,6 +19,7 @@ from tornado.httpclient import AsyncHTTPClient, HTTPRequest
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 LARGEST = 2**28
+PATIENCE = 300.0
 
 
 class Reader:
@@ -72,11 +73,11 @@ class Reader:
 
 async def connect(url: str) -> Reader:
     """Open a page as a browser does: the document first, then the websocket with the session's token."""
-    response = await AsyncHTTPClient().fetch(url, request_timeout=60.0)
+    response = await AsyncHTTPClient().fetch(url, connect_timeout=PATIENCE, request_timeout=PATIENCE)
     found = re.search(r'"token":"([^"]+)"', response.body.decode())
     if found is None:
         raise ConnectionError("no session in the page")
-    request = HTTPRequest(url.replace("http", "ws", 1) + "ws", request_timeout=60.0)
+    request = HTTPRequest(url.replace("http", "ws", 1) + "ws", connect_timeout=PATIENCE, request_timeout=PATIENCE)
     connection = await websocket_connect(request, subprotocols=["bokeh", found[1]], max_message_size=LARGEST)
     reader = Reader(connection)
     await reader.message()
@@ -128,7 +129,7 @@ async def read(url: str, seconds: float) -> dict[str, float]:
                 count += 1
                 await reader.answer(answer, number)
     spent = time.monotonic() - began
-    return {"updates_per_second": count / spent, "bytes_per_second": (reader.bytes - size) / spent}
+    return {"updates": count, "updates_per_second": count / spent, "bytes_per_second": (reader.bytes - size) / spent}
 
 
 if __name__ == "__main__":

@@ -29,7 +29,9 @@ KNOCK = 0.25
 UNANSWERED = 4
 """Updates that may be under way to a browser; one that is slower gets fewer, and then everything that is new."""
 ANSWER = """
-const n = cb_obj.data.n;  // answered once it is painted: never in a tab that nobody sees
+const n = cb_obj.data.n;
+window.lastPulse = Date.now();
+// answered once it is painted: never in a tab that nobody sees
 requestAnimationFrame(() => setTimeout(() => { answer.data = {n}; }, 0));
 """
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
 import logging
 import socket
@@ -104,7 +105,8 @@ class Server:
         finally:
             refresh.stop()
             server.stop(wait=False)
-            loop.run_sync(http.close_all_connections, timeout=STOP_WITHIN)
+            with contextlib.suppress(TimeoutError):
+                loop.run_sync(http.close_all_connections, timeout=STOP_WITHIN)
             loop.close(all_fds=True)
 
     def _refresh(self, server: BaseServer, show: Show) -> None:

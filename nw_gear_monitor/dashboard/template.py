@@ -80,18 +80,19 @@ PAGE = """{% from macros import embed %}<!DOCTYPE html>
 """
 
 WATCH = """
-(() => {  // says so when the server is gone, and comes back by itself when it is there again
-  const lost = document.getElementById("lost");
-  let gone = 0;
+(() => {  // says so when nothing comes from the server any more, and begins anew once it is there again
+  const lost = document.getElementById("lost"), began = Date.now();
   const look = async () => {
-    let there = false;
-    try { there = (await fetch("alive", {cache: "no-store", signal: AbortSignal.timeout(2000)})).ok; } catch (e) {}
-    if (there && gone > 1) location.reload();
-    gone = there ? 0 : gone + 1;
-    lost.style.display = gone > 1 ? "block" : "none";
-    setTimeout(look, 2000);
+    const silent = Date.now() - (window.lastPulse ?? began);
+    lost.style.display = silent > 6000 ? "block" : "none";
+    if (silent > 20000) {
+      try {
+        if ((await fetch("alive", {cache: "no-store", signal: AbortSignal.timeout(5000)})).ok) location.reload();
+      } catch (error) {}
+    }
+    setTimeout(look, 1000);
   };
-  setTimeout(look, 2000);
+  look();
 })();
 """
 

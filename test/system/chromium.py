@@ -21,7 +21,7 @@ from typing import Any
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-LIMIT = 30.0
+LIMIT = 120.0
 FLAGS = (
     "--headless",
     "--no-sandbox",

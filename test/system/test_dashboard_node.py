@@ -63,7 +63,7 @@ def test_it_listens_on_loopback_alone_tells_its_address_keeps_its_token_and_ends
         answer = probe.call(GetParameters, "/nw_gear/dashboard_node/get_parameters", request, dashboard)
         assert [value.string_value for value in answer.values] == ["(set)", "127.0.0.1"]
         dashboard.signal(signal.SIGTERM)
-        assert dashboard.wait(5.0) == 0
+        assert dashboard.wait() == 0
         assert TOKEN not in dashboard.stdout + dashboard.stderr
 
 
