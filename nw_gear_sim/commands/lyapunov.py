@@ -124,7 +124,8 @@ def _print(found: list[Row], keys: list[str], files: list[str]) -> None:
         print(f"Kaplan-Yorke dimension {_fractal(row)}")
         if row.complete:
             print(f"sum {row.rate.sum():.2f} 1/s, divergence {row.divergence:.2f} 1/s")
-    print("\n".join(files))
+    for file in files:
+        print(file)
 
 
 def _measured(row: Row, k: int) -> str:

@@ -15,6 +15,8 @@ from nw_gear_sim.studies.lyapunov import SIGMAS, Row
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PINK, SKY)
 CURVES = 6
 """Exponents drawn over an axis, and means drawn of a single point."""
+DARK = 225
+"""Colours of the scale that stand out from white."""
 TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 
 
@@ -98,7 +100,7 @@ def _convergence(found: Sequence[Row], keys: Sequence[str]) -> figure:
             plot.line(row.time, row.history[:, k], color=COLOURS[k], legend_label=f"exponent {k + 1}", line_width=1.5)
     else:
         values = [row.values[0] for row in found]
-        mapper = LinearColorMapper(Viridis256, low=min(values), high=max(values))
+        mapper = LinearColorMapper(Viridis256[:DARK], low=min(values), high=max(values))
         source = {
             "x": [row.time for row in found], "y": [row.history[:, 0] for row in found], "value": values
         }  # fmt: skip

@@ -6,6 +6,7 @@ import pytest
 from nw_gear_common.errors import InputError
 from nw_gear_sim import config
 from nw_gear_sim.modal import stepping
+from nw_gear_sim.modal.forces import mesh_rates
 from nw_gear_sim.tangent import kernels
 from nw_gear_sim.tangent.flow import Flow
 
@@ -67,6 +68,39 @@ def test_divergence_is_the_trace():
         unit[i] = 1e9  # 0.1 m/s, the forces are linear in velocities
         trace += quotient(flow, x, v, none, unit)[i] / unit[i]
     assert flow._slope.divergence[0] == pytest.approx(trace, rel=1e-7)
+
+
+def test_flanks_that_meet_or_part_give_the_impulse_of_the_saltation_matrix():
+    """dv+ = dv- + (f+ - f-) dX / X', with the jump f+ - f- as the forces with and without damping in the gap differ."""
+    rattling = config.load("rattling")
+    undamped, damped = (Flow(config.with_values({"mesh.damping_in_gap": g}, rattling), 1) for g in (False, True))
+    random, slope = np.random.default_rng(3), undamped._slope
+    x, v = shaken(undamped, random)
+    force = []
+    for flow in (damped, undamped):
+        laws, table, interval, instants, work = parts(flow)
+        kernels.derivative(laws, table, interval, x, v, instants, work, flow._slope)
+        force.append(work.slopes[0].copy())
+    still = work.contact.elastic == 0.0
+    assert 0 < np.count_nonzero(still) < 7
+    mesh_rates(laws, instants, 0, x, v, work)
+    rate, dx = work.contact.rate.copy(), laws.reach * random.standard_normal(len(x))
+    ends = []
+    for sign in (1e-9, -1e-9):
+        stepping.evaluate(laws, table, table, interval, x + sign * dx, v, instants, work, np.empty(len(x)))
+        ends.append(work.contact.x.copy())
+    elongation, jump = (ends[0] - ends[1]) / 2e-9, np.zeros(len(x))
+    for mesh in np.flatnonzero(still):
+        for before, after, sign in ((0.0, 1.0, 1.0), (1.0, 0.0, -1.0)):
+            slope.carrying[:] = np.where(np.arange(7) == mesh, before, 1.0)
+            elastic = np.where(np.arange(7) == mesh, after, 1.0)
+            dv = np.zeros((len(x), 1))
+            kernels.meet(laws, elastic, slope, dx[:, None].copy(), dv)
+            if sign > 0.0:
+                jump += dv[:, 0] * rate[mesh] / elongation[mesh]
+                met = dv
+        assert np.array_equal(dv, -met)
+    assert np.max(np.abs(jump - (force[0] - force[1]))) < 1e-6 * np.max(np.abs(jump))
 
 
 def apart(configuration, steps, separation, ring="rigid"):
