@@ -16,7 +16,7 @@ from test.monitor.test_review_gather import gathered
 from test.monitor.test_review_page import Page
 
 LABELS = ("before", "after")
-SECONDS = (6, 8)
+SECONDS = (4, 5)
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +39,7 @@ def html(runs):
     return comparison.render(*runs, LABELS)
 
 
+@pytest.mark.slow
 def test_both_runs_are_named_everywhere(html):
     page = Page(html)
     assert page.titles == ["before beside after"]
@@ -87,6 +88,8 @@ def test_pairs_share_their_axes(runs):
         found = ranges(section)
         assert found, section.anchor
         for (left, x1, y1), (right, x2, y2) in zip(found[::2], found[1::2], strict=True):
+            assert left.startswith("before · ")
+            assert right.startswith("after · ")
             assert left.removeprefix("before · ").split(",")[0] == right.removeprefix("after · ").split(",")[0]
             assert x1 is x2, left
             assert y1 is y2, left
@@ -100,6 +103,7 @@ def test_shared_axes_hold_what_both_need():
     assert (figures[0].x_range.start, figures[0].x_range.end) == (-3, 1)
 
 
+@pytest.mark.slow
 def test_a_run_without_a_monitor_can_stand_beside_one_with(runs):
     bare = gathered(synthetic.stream(2, monitor=False), 2, 0.0)
     words = Page(comparison.render(runs[0], bare, ("same", "same"))).words
