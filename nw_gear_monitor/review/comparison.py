@@ -57,8 +57,8 @@ def render(first: RunData, second: RunData, labels: Labels) -> str:
 
 def build(runs: tuple[RunData, RunData], labels: Labels) -> list[Section]:
     """All sections of the comparison, in order."""
-    longest = max(run.duration for run in runs)
-    time_range = Range1d(0.0, longest, bounds=(min(0.0, -0.02 * longest), 1.02 * longest), name="time")
+    longest = max(0.0, *(run.duration for run in runs)) or 1.0
+    time_range = Range1d(0.0, longest, bounds=(-0.02 * longest, 1.02 * longest), name="time")
     beside = _Beside(runs, labels)
     return [
         _summary(runs, labels),

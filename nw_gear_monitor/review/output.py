@@ -14,6 +14,8 @@ RECORDING = "recording"
 FILES = {"html": "report.html", "json": "report.json", "parquet": "data_parquet", "csv": "data_csv"}
 """Name of what is written by default, by format."""
 FOLDERS = ("parquet", "csv")
+BAGS = ("*.mcap", "*.db3", "*.mcap.zstd", "*.bag")
+"""What the folder of a recording has in it; some of them are refused by name when they are opened."""
 
 
 def find_recording(run: Path) -> Path:
@@ -27,7 +29,7 @@ def find_recording(run: Path) -> Path:
             str(run), "the folder of a run or of a recording", "no such folder" if not run.exists() else "a file"
         )
     for folder in (run, run / RECORDING):
-        if (folder / "metadata.yaml").is_file() or any(folder.glob("*.mcap")):
+        if (folder / "metadata.yaml").is_file() or any(any(folder.glob(suffix)) for suffix in BAGS):
             return folder
     raise InputError(str(run), "a recording (metadata.yaml, *.mcap), or a run with one in it", "neither")
 

@@ -79,7 +79,8 @@ class Section:
 
 def build(run: RunData, summary: Summary, measured: Measured | None = None, remark: str = "") -> list[Section]:
     """All sections of the report, in order."""
-    time_range = Range1d(0.0, run.duration, bounds=(min(0.0, -0.02 * run.duration), 1.02 * run.duration), name="time")
+    longest = max(0.0, run.duration) or 1.0  # a single message has a moment, and no duration
+    time_range = Range1d(0.0, longest, bounds=(-0.02 * longest, 1.02 * longest), name="time")
     windows = [zoom.window_source(run, window) for window in run.windows]
     chosen = chooser.choose(run, windows)
     return [
