@@ -9,6 +9,7 @@ import numpy as np
 from nw_gear_common import names
 from nw_gear_common.tables import Array
 from nw_gear_sim import config
+from nw_gear_sim.batch.batch import Batch
 from nw_gear_sim.equilibrium import NoEquilibrium
 from nw_gear_sim.kinematics import derive
 from nw_gear_sim.params import Configuration
@@ -48,17 +49,22 @@ def label(piece: Labelled) -> dict[str, Array]:
 
     Returns:
         `omega_e` (points,), `rate`, `error`, `diverged` (points,) as `bifurcation.compute` has them; `period`,
-        `settled`, `deviation`, `open` (points, 3) of MESHES; `x` (points, 3, n), m, their sections. A set without
-        static equilibrium has periods 0, exponents NaN, and diverges at 0 s.
+        `settled`, `deviation`, `open` (points, 3) of MESHES; `x` (points, 3, n), m, their sections. Motions begin in
+        static equilibrium, and with zero displacements, as in the paper, where none is found. Where all diverge, the
+        step is too long for the set's dampers, and half of it is taken.
     """
     points = at(piece.configuration, piece.omega_e)
     plan = piece.plan
     if piece.seconds > 0.0:
         plan = replace(plan, transient=_periods(points, plan.stage, piece.seconds))
+    recorded = replace(plan, exponent_periods=0)
     try:
-        found = bifurcation.compute(bifurcation.Piece(replace(plan, exponent_periods=0), points))
+        found = bifurcation.compute(bifurcation.Piece(recorded, points))
     except NoEquilibrium:
-        return _nowhere(piece.omega_e)
+        zero = Batch(points, excitation=plan.excitation, ring=plan.ring, step=plan.step, start="zero", threads=1).end()
+        found = bifurcation.compute(bifurcation.Piece(recorded, points, zero))
+    if np.all(np.isfinite(found["diverged"])) and plan.step >= PLAN.step:
+        return label(replace(piece, plan=replace(plan, step=plan.step / 2)))
     chosen = list(MESHES)
     exponents = largest_exponents(
         points, bifurcation.carried(found, plan), excitation=plan.excitation, ring=plan.ring, step=plan.step,
@@ -81,13 +87,3 @@ def _seconds(points: tuple[Configuration, ...], stage: str, periods: int) -> flo
     """Return how long the slowest point takes for so many periods."""
     frequencies = [derive(c).mesh_frequency_hz(stage, derive(c).ring_speed) for c in points]
     return periods / min(frequencies)
-
-
-def _nowhere(omega_e: tuple[float, ...]) -> dict[str, Array]:
-    points = len(omega_e)
-    nothing, zeros = np.full(points, np.nan), np.zeros((points, len(MESHES)))
-    return {
-        "omega_e": np.array(omega_e), "rate": nothing, "error": nothing, "diverged": np.zeros(points),
-        "period": zeros, "settled": zeros, "deviation": zeros, "open": zeros,
-        "x": np.full((points, len(MESHES), 1), np.nan, dtype=np.float32),
-    }  # fmt: skip

@@ -74,11 +74,20 @@ class Verdict:
 
 def judge(evidence: Evidence) -> tuple[Verdict, ...]:
     """Judge all statements."""
-    found = motions(evidence.labels)
-    for block in evidence.grid:
-        found |= motions(block)
+    found = gathered(evidence.labels, *evidence.grid)
     own = motions(evidence.kinematic)
     return tuple(_verdict(statement, evidence, found, own) for statement in read_statements())
+
+
+def judge_motions(found: Motions) -> dict[str, tuple[bool, str]]:
+    """Judge the statements about motions alone: id -> whether what was found agrees, and what it is."""
+    chosen = (s for s in read_statements() if s.kind in (MOTION, REGIMES))
+    return {s.id: of_regimes(found) if s.kind == REGIMES else of_motion(s, found) for s in chosen}
+
+
+def gathered(*pieces: Mapping[str, Array]) -> Motions:
+    """Return the motions of several pieces."""
+    return {place: motion for piece in pieces for place, motion in motions(piece).items()}
 
 
 def holding(verdicts: tuple[Verdict, ...]) -> int:

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from nw_gear_common.tables import Array
-from nw_gear_sim.batch.lanes import LANES
 from nw_gear_sim.params import Configuration
 from nw_gear_sim.studies.section4 import space, study
 from nw_gear_sim.studies.section4.evaluate import PLAN
-from nw_gear_sim.studies.section4.judging import Evidence, Verdict, holding, judge
+from nw_gear_sim.studies.section4.judging import Evidence, Verdict, gathered, holding, judge, judge_motions
 from nw_gear_sim.studies.section4.scoring import chance, guesses, held, motions, occurrences, regimes
 from nw_gear_sim.studies.section4.statements import read_labels
 from nw_gear_sim.studies.store import Store
@@ -30,12 +29,14 @@ def collect(base: Configuration, question: study.Question, store: Store, run: st
     chosen = study.best(even)
     run(study.closely(base, chosen))
     prefixes = study.set_names(chosen)
-    verdicts = {name: judge(_evidence(store, prefix)) for name, prefix in prefixes.items()}
+    verdicts = judge(_evidence(store, prefixes["best"]))
+    base_motions = gathered(*(store.get(f"{prefixes['base']}-{name}") for name in ("labels", *study.GRID_PARTS)))
+    of_base = judge_motions(base_motions)
     return {
-        "held": holding(verdicts["best"]),
-        "total": len(verdicts["best"]),
-        "rows": [_row(*pair) for pair in zip(verdicts["best"], verdicts["base"], strict=True)],
-        "base": {"held": holding(verdicts["base"]), "score": _score(store, prefixes["base"])},
+        "held": holding(verdicts),
+        "total": len(verdicts),
+        "rows": [_row(verdict, of_base.get(verdict.statement.id)) for verdict in verdicts],
+        "base": {"score": study.score(store, f"{prefixes['base']}-labels"), "regimes": regimes(base_motions)},
         "search": _search(store, question, even, near),
         "plan": asdict(PLAN),
     }
@@ -47,7 +48,7 @@ def _evidence(store: Store, prefix: str) -> Evidence:
 
     return Evidence(
         labels=piece("labels"),
-        grid=tuple(piece(f"grid-{k:02d}") for k in range(0, len(study.GRID), LANES)),
+        grid=tuple(piece(name) for name in study.GRID_PARTS),
         kinematic=piece("kinematic"),
         rigid=piece("rigid"),
         minute=piece("minute"),
@@ -57,7 +58,7 @@ def _evidence(store: Store, prefix: str) -> Evidence:
     )
 
 
-def _row(verdict: Verdict, base: Verdict) -> dict[str, Any]:
+def _row(verdict: Verdict, base: tuple[bool, str] | None) -> dict[str, Any]:
     statement = verdict.statement
     return {
         "id": statement.id,
@@ -68,12 +69,8 @@ def _row(verdict: Verdict, base: Verdict) -> dict[str, Any]:
         "stage": statement.stage,
         "agrees": verdict.agrees,
         "kinematic": verdict.kinematic,
-        "base": {"holds": base.holds, "agrees": base.agrees, "value": base.value},
+        "base": None if base is None else {"agrees": base[0], "value": base[1]},
     }
-
-
-def _score(store: Store, prefix: str) -> float:
-    return study.score(store, f"{prefix}-labels")
 
 
 def _search(

@@ -28,6 +28,8 @@ FIGURES = (0.170, 0.205, 0.245)
 """omega_e of Figs 13, 14, 15."""
 GRID = tuple(np.round(np.linspace(0.161, 0.267, 3 * LANES), 5).tolist())
 """Where intervals of Figs 19-21 are looked at closely."""
+GRID_PARTS = tuple(f"grid-{k:02d}" for k in range(0, len(GRID), LANES))
+"""Names of its blocks."""
 MINUTE = 60.0
 PARENTS = 4
 """Of how many draws the neighbourhood is searched."""
@@ -120,13 +122,15 @@ def best(draws: Sequence[Draw]) -> Draw:
 
 
 def closely(base: Configuration, draw: Draw) -> dict[str, Any]:
-    """Return the pieces that look closely at a draw and at the base configuration."""
-    numbers = space.named(draw.shares)
+    """Return the pieces that look closely at a draw, and at the motions of the base configuration."""
+    names = set_names(draw)
+    chosen = space.configured(space.named(draw.shares), base)
     fixed = config.with_values({"operation.drive": "fixed"}, base)
-    pieces: dict[str, Any] = {}
-    for name, configuration in ((f"best-{draw.key}", space.configured(numbers, base)), ("base", fixed)):
-        pieces |= _of_set(name, configuration)
-    return pieces
+    return {
+        **_motions(names["best"], chosen),
+        **_beyond_motions(names["best"], chosen),
+        **_motions(names["base"], fixed),
+    }
 
 
 def set_names(draw: Draw) -> dict[str, str]:
@@ -139,12 +143,18 @@ def _pieces(base: Configuration, shares: Mapping[str, Array]) -> dict[str, Label
     return {key: Labelled(PLAN, space.configured(space.named(s), base), places) for key, s in shares.items()}
 
 
-def _of_set(name: str, configuration: Configuration) -> dict[str, Any]:
+def _motions(name: str, configuration: Configuration) -> dict[str, Any]:
+    parts = [GRID[k : k + LANES] for k in range(0, len(GRID), LANES)]
+    return {
+        f"{name}-labels": Labelled(PLAN, configuration, frequencies(read_labels())),
+        **{f"{name}-{p}": Labelled(PLAN, configuration, g) for p, g in zip(GRID_PARTS, parts, strict=True)},
+    }
+
+
+def _beyond_motions(name: str, configuration: Configuration) -> dict[str, Any]:
     places = frequencies(read_labels())
     rigid = config.with_values({"numerics.ring": "rigid"}, configuration)
     return {
-        f"{name}-labels": Labelled(PLAN, configuration, places),
-        **{f"{name}-grid-{k:02d}": Labelled(PLAN, configuration, GRID[k : k + LANES]) for k in range(0, 48, LANES)},
         f"{name}-kinematic": Labelled(replace(PLAN, excitation="kinematic"), configuration, places),
         f"{name}-rigid": Labelled(replace(PLAN, ring="rigid"), rigid, places),
         f"{name}-minute": Labelled(PLAN, configuration, places, MINUTE),

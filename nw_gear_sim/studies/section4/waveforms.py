@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -63,12 +64,11 @@ def spectra(piece: Spectra) -> dict[str, Array]:
     meshing = np.array([[derive(c).mesh_frequency_hz(s, derive(c).ring_speed) for s in stages] for c in points])
     step = PLAN.step
     rate = 1.0 / step / max(1, round(1.0 / step / (SAMPLES_PER_PERIOD * float(meshing.max()))))
+    options: dict[str, Any] = {"excitation": piece.excitation, "ring": PLAN.ring, "step": step, "sample_rate": rate}
     try:
-        batch = Batch(points, excitation=piece.excitation, ring=PLAN.ring, step=step, sample_rate=rate, threads=1)
+        batch = Batch(points, **options, threads=1)
     except NoEquilibrium:
-        nothing = np.full((len(points), len(MESHES)), np.nan)
-        lost = np.full((len(points), len(MESHES), len(MULTIPLES)), np.nan)
-        return {"omega_e": np.array(piece.omega_e), "lines": lost, "dominant": nothing, "others": nothing}
+        batch = Batch(points, **options, start="zero", threads=1)
     batch.advance(periods=PLAN.transient)
     x = batch.advance(periods=PLAN.record).x[:, :, list(MESHES)]
     found = [[lines(x[p, :, s], rate, float(meshing[p, s])) for s in range(len(MESHES))] for p in range(len(points))]
