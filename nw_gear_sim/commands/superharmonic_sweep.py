@@ -14,7 +14,7 @@ from nw_gear_sim.commands.tables import show
 from nw_gear_sim.drawings.superharmonic_sweep_page import page
 from nw_gear_sim.superharmonic import family
 from nw_gear_sim.superharmonic.firstorder import TRUSTED, coefficients, trust
-from nw_gear_sim.superharmonic.sweeping import MOST_PERIODS, Sweep, sweep
+from nw_gear_sim.superharmonic.sweeping import MOST_PERIODS, Step, Sweep, sweep
 
 if TYPE_CHECKING:
     from nw_gear_common.tables import Array
@@ -75,13 +75,17 @@ def _print(found: Sweep, question: Question) -> None:
     for step in reversed(found.steps):
         if step.direction == "down":
             both = (up[step.omega], step)
-            rows.append([f"{step.omega:.6g}", *(f"{s.alpha:.5g}" + ("" if s.settled else " *") for s in both)])
+            rows.append([f"{step.omega:.6g}", *(f"{s.alpha:.5g}{_mark(s)}" for s in both)])
     title = f"Stage {question.pair.stage} with the {question.law}, in time"
     show(title, ["omega", "alpha, sweep up", "alpha, sweep down"], rows)
     for jump in found.jumps:
         print(f"jumps {jump.in_words('omega')}")
     if not all(step.settled for step in found.steps):
-        print("* not of the excitation's period within the periods allowed (--periods)")
+        print("* doesn't repeat itself within the periods allowed (--periods); (3): repeats after 3 periods")
+
+
+def _mark(step: Step) -> str:
+    return "" if step.settled else f" ({step.repeats})" if step.repeats else " *"
 
 
 def _say(done: int, total: int) -> None:

@@ -41,6 +41,7 @@ def page(found: Sweep, curve: Curve, question: Question) -> str:
 
 def _intro(found: Sweep, curve: Curve) -> list[str]:
     unsettled = sum(not step.settled for step in found.steps)
+    several = sorted({step.repeats for step in found.steps if step.repeats > 1})
     said = [
         "Triangles: the delay equation integrated in time, from rest at the lowest frequency up to the highest and "
         "back down, the motion carried on from step to step. Arrows are its jumps; they start at the fold at which the "
@@ -52,6 +53,7 @@ def _intro(found: Sweep, curve: Curve) -> list[str]:
         said.append(
             f"At {unsettled} of {len(found.steps)} steps the motion didn't take the period of the excitation: "
             "bars give the range of alpha from period to period."
+            + (f" Some repeat after {', '.join(map(str, several))} periods." if several else "")
         )
     said += [f"Jump {jump.in_words('omega')}." for jump in found.jumps]
     said.append(

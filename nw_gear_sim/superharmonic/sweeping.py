@@ -30,8 +30,10 @@ BLOCK = 10
 """Periods between two looks at the harmonics."""
 SETTLED = 2e-5
 """Change that may still come, relative to the motion."""
-LOOKS = 10
-"""Last looks whose alphas are kept where the motion doesn't settle."""
+WATCHED = 16
+"""Periods looked at one by one where the motion doesn't settle: subharmonics up to half of it are told."""
+REPEATED = 1e-3
+"""Difference up to which two periods are the same, relative to the motion."""
 ORDER = 9
 SMALL_STEP = 0.02
 """Part of the largest alpha up to which a step of alpha isn't looked into."""
@@ -45,8 +47,9 @@ class Step:
 
     Attributes:
         omega: frequency; direction: `up` or `down`.
-        alpha: amplitude of the third harmonic; low, high: its range over the last looks where the motion didn't settle.
-        settled: whether it became periodic within the periods allowed; periods: that it took.
+        alpha: amplitude of the third harmonic, over `repeats` periods; low, high: its range from period to period.
+        repeats: after how many periods of the excitation the motion repeats itself; 0: after none up to WATCHED/2.
+        periods: that it took.
         coefficients: (2 ORDER + 1,) harmonics of the last period.
     """
 
@@ -55,9 +58,14 @@ class Step:
     alpha: float
     low: float
     high: float
-    settled: bool
+    repeats: int
     periods: int
     coefficients: Array
+
+    @property
+    def settled(self) -> bool:
+        """Whether the motion has the period of the excitation."""
+        return self.repeats == 1
 
 
 @dataclass(frozen=True)
@@ -69,7 +77,7 @@ class Sweep:
 
     def table(self) -> dict[str, list[Any]]:
         """Return columns with one row per step."""
-        names = ("direction", "omega", "alpha", "low", "high", "settled", "periods")
+        names = ("direction", "omega", "alpha", "low", "high", "repeats", "settled", "periods")
         return {name: [getattr(step, name) for step in self.steps] for name in names}
 
     def as_object(self) -> dict[str, Any]:
@@ -154,9 +162,31 @@ def _settle(
         before = change
         rest = change * ratio / (1.0 - ratio) if ratio < 1.0 else math.inf
         settled = change <= 1e-13 * size or (max(rest, 0.1 * change) < SETTLED * size)
-    alphas = [float(np.hypot(look[3], look[ORDER + 3])) for look in looks[-LOOKS:]]
-    low, high = (alphas[-1], alphas[-1]) if settled else (min(alphas), max(alphas))
-    return history, Step(step.omega, direction, alphas[-1], low, high, settled, done, looks[-1])
+    if settled:
+        alpha = _alpha(looks[-1])
+        return history, Step(step.omega, direction, alpha, alpha, alpha, 1, done, looks[-1])
+    history, looks, repeats = _watched(step, history)
+    alphas = [_alpha(look) for look in looks]
+    mean = _alpha(np.mean(looks[-repeats:] if repeats else looks, axis=0))
+    return history, Step(step.omega, direction, mean, min(alphas), max(alphas), repeats, done + WATCHED, looks[-1])
+
+
+def _watched(step: Stepper, history: tuple[Array, Array, Array]) -> tuple[tuple[Array, Array, Array], list[Array], int]:
+    """Go on period by period: the harmonics of each, and after how many the motion repeats itself, 0 if it doesn't."""
+    looks = []
+    for _ in range(WATCHED):
+        history = advance(step, history, 1)
+        looks.append(project(history[0][-step.steps - 1 : -1, 0], ORDER))
+    size = float(np.linalg.norm(looks[-1]))
+    for k in range(1, WATCHED // 2 + 1):
+        if max(float(np.linalg.norm(a - b)) for a, b in zip(looks[k:], looks[:-k], strict=True)) < REPEATED * size:
+            return history, looks, k
+    return history, looks, 0
+
+
+def _alpha(look: Array) -> float:
+    """Return the amplitude of the third harmonic."""
+    return float(np.hypot(look[3], look[ORDER + 3]))
 
 
 def _jumps(pair: GearPair, steps: Sequence[Step], slope: float | None) -> list[Jump]:

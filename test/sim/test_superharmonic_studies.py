@@ -1,5 +1,7 @@
 """Jumps, charts, sweeps in time, basins and the restoring forces behind `nw_gear study superharmonic`."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -205,6 +207,18 @@ def test_each_step_of_a_sweep_is_an_orbit(hysteresis):
         stable = [orbit for orbit, safe in known[step.omega] if safe]
         assert len(stable) == 2
         assert step.alpha == pytest.approx(stable[1 if step.direction == "up" else 0].amplitude(3), rel=2e-3)
+
+
+def test_a_motion_that_repeats_itself_after_several_periods_is_told():
+    """Linear, undamped, from rest: a free motion at w0 = 4/3 omega stays beside the forced one; then at 5/4 omega."""
+    pair = replace(gear_pair("II"), q=0.0).having(zeta=0.0, g_d=0.0, g_v=0.0)
+    found = sweep(pair, pair.w0 * np.array([0.75, 0.8]), periods=60)
+    assert [step.repeats for step in found.steps] == [3, 4, 4, 3]
+    assert not any(step.settled for step in found.steps)
+    assert found.jumps == ()
+    for step in found.steps:  # there is nothing at 3 omega
+        assert step.alpha < 1e-3
+        assert step.high > 0.1
 
 
 # --- basins -----------------------------------------------------------------------------------------------------------
