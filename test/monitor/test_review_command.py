@@ -9,7 +9,7 @@ import pytest
 from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_monitor.records.reader import Recording
-from nw_gear_monitor.review import output, read
+from nw_gear_monitor.review import command, output, read
 from test.monitor import recorded, synthetic
 from test.monitor.test_review_page import Page
 
@@ -107,6 +107,34 @@ def test_an_output_folder_that_is_missing_is_refused_before_any_work(run, tmp_pa
 
 def test_other_formats_are_refused(run):
     assert "html" in one_line(*review(run, "--format", "xml"))
+
+
+@pytest.mark.parametrize("text", ["5", "a:b", "3:2", "-1:2", "1:inf", "nan:2", ":"])
+def test_a_stretch_that_is_none_is_refused(text):
+    with pytest.raises(InputError, match="--zoom"):
+        command.span(text)
+
+
+def test_a_stretch_is_two_times():
+    assert command.span("3.5:7") == (3.5, 7.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"kind": command.Format.PARQUET, "other": True}, "html with two runs"),
+        ({"kind": command.Format.CSV, "zoom": ["1:2"]}, "--format html"),
+        ({"kind": command.Format.PARQUET, "output": "full"}, "a new or empty folder"),
+    ],
+)
+def test_what_doesnt_go_together_is_refused_before_any_work(run, options, words):
+    options = dict(options)
+    if "other" in options:
+        options["other"] = run
+    if "output" in options:
+        options["output"] = run
+    with pytest.raises(InputError, match=words):
+        command.review(run, **options)
 
 
 @pytest.mark.parametrize("content", [b"", b"not an mcap file at all", b"\x89MCAP0\r\n"])
