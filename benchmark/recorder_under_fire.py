@@ -95,7 +95,12 @@ def publish(found: dict[str, Any]) -> None:
         if name in found["scenarios"]:
             values = found["scenarios"][name]
             lines.append(f"| {what.format(**values)} | {outcome.format(**values)} |")
-    lines += ["", f"Measured on {found['machine']['processor']} by `benchmark/recorder_under_fire.py`."]
+    machine = found["machine"]
+    where = f"{machine['processor']}, {machine['cores']} cores, load {machine['load']:.0f}"
+    lines += [
+        "",
+        f"Measured by `benchmark/recorder_under_fire.py` on {where}: everything else that ran took its share.",
+    ]
     write_between(ROOT / "docs" / "records.md", "recorder_under_fire", "\n".join(lines))
 
 
