@@ -23,13 +23,12 @@ SECTION_4 = """## Section 4: the whole gearbox
 
 The paper doesn't give the torque, nor mesh stiffness, transmission errors, damping, clearances (its Table 3 isn't in
 print). So the statements are judged on the best of {draws} even draws from these unknowns (next section), chosen by
-{labels} labels of Figs 13-15 and 19-21; the motions of this project's own
-configuration, at rated torque, stand beside it. All meshes run at one frequency, omega_e in units of omega_n
-of stage II (`tied`), as the paper's figures imply; the
-last column has what every stage shows at its own mesh frequency (`kinematic`). A section of few dots counts as
-periodic (scatter under 5 % of the signal's standard deviation) even where the exponent of the gearbox, of which there
-is one for all stages, is above 0. An interval holds when every frequency computed in it agrees. `unknown`: the
-exponent is above 0 by less than three standard errors.
+{labels} labels of Figs 13-15 and 19-21; the motions of this project's own configuration, at rated torque, stand
+beside it. All meshes run at one frequency, omega_e in units of omega_n of stage II (`tied`), as the paper's figures
+imply; the last column has what every stage shows at its own mesh frequency (`kinematic`). A section of few dots
+counts as periodic (scatter under 5 % of the signal's standard deviation) even where the exponent of the gearbox, of
+which there is one for all stages, is above 0. An interval holds when every frequency computed in it agrees.
+`unknown`: the exponent is above 0 by less than three standard errors.
 """
 SECTION_5 = """## Section 5.2: superharmonic resonance
 

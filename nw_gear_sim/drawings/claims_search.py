@@ -70,7 +70,8 @@ def _distribution(search: Mapping[str, Any]) -> str:
     kinds = ", ".join(f"{kind} {count}" for kind, count in search["regimes"].items())
     return (
         f"Quartiles of the scores: {low:.3f}, {middle:.3f}, {high:.3f}. Motions in all draws: {kinds} (other: exponent"
-        f" undecided, diverged, or no equilibrium).\n\n{table(['score', 'draws'], rows)}"
+        f" undecided, or diverged). {search['all_regimes']} of {search['draws']} draws have periodic, multi-period and"
+        f" chaotic motions at once.\n\n{table(['score', 'draws'], rows)}"
     )
 
 

@@ -93,6 +93,7 @@ def _search(
         "guesses": guesses(labels),
         "chance": asdict(chance(labels, found, question.seed)),
         "expected": occurrences(labels),
+        "all_regimes": int(np.sum(np.all(counts[:, :3] > 0, axis=1))),
         "regimes": dict(zip(regimes(own), (int(n) for n in counts.sum(axis=0)), strict=True)),
         "labels": [
             {
