@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Make the picture of the live page for the documentation: the real nodes, real Chromium, a fault injected on the page.
 
-Usage: picture_of_dashboard.py PICTURE.png [--height 2330] [--seconds 12] [--whole EVERYTHING.png]
+Usage: picture_of_dashboard.py PICTURE.png [--height 2275] [--seconds 12] [--whole EVERYTHING.png]
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def main() -> int:
     """Read the arguments, take the picture, return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("picture", type=Path)
-    parser.add_argument("--height", type=int, default=2330, help="what of the page is shown, pixels")
+    parser.add_argument("--height", type=int, default=2275, help="what of the page is shown, pixels")
     parser.add_argument("--seconds", type=float, default=12.0, help="time to watch the fault before the picture")
     parser.add_argument("--whole", type=Path, help="picture of the whole page as well")
     arguments = parser.parse_args()
