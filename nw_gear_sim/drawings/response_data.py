@@ -12,13 +12,13 @@ from nw_gear_common.tables import Array
 from nw_gear_common.wavelets import wavelet_map
 from nw_gear_sim.studies.response import Response
 
-DETAILED = 16
+DETAILED = 11
 """Points that can be chosen one by one."""
-LINES = 121
+LINES = 81
 """Points in the surfaces."""
 COLUMNS = 401
 """Points in the maps."""
-HISTORY_PERIODS, PHASE_PERIODS, SURFACE_PERIODS = 24, 60, 8
+HISTORY_PERIODS, PHASE_PERIODS, SURFACE_PERIODS = 24, 40, 5
 """Mesh periods shown, the last ones of the record."""
 HIGHEST_ORDER = 6.0
 """Top of the spectra, over the mesh frequency."""

@@ -42,7 +42,7 @@ def page(collector: Collector, found: Sequence[Row], key: str, excitation: str) 
     intro = [
         "Meshing displacement x of the meshes after the transient, in units of b (half the backlash of stage II) and "
         f"1 / omega_n, or in SI. All meshes are excited {_WORDS[excitation]}.",
-        "Amplitudes come from a Hann window over the whole record. Phase diagrams show the last 60 mesh periods, with "
+        "Amplitudes come from a Hann window over the whole record. Phase diagrams show the last 40 mesh periods, with "
         "the Poincaré points of the whole record, one per period, in black. Left and right of the dashed lines of a "
         "wavelet map amplitudes are too small.",
     ]

@@ -128,7 +128,7 @@ def _view(
     for t in _ticks(up):
         z = float(_into(np.array([t]), up)[0])
         marks.append(_mark((-1.17, 1.0, -1.0 + 0.5 * (1.0 + top) * (1.0 + z)), f"{t:.3g}", f"{up_unit * t:.3g}"))
-    marks.append(_mark((0.0, -1.42, -1.0), name, si))
+    marks.append(_mark((0.0, -1.55, -1.0), name, si))
     marks.append(_mark((1.55, 0.0, -1.08), along[1].split(".")[-1], along[1].split(".")[-1]))
     marks.append(_mark((-1.0, 1.0, top + 0.16), up_name, up_si))
     return {"lines": lines, "edges": edges, "marks": marks, "source": source, "frame": frame, "text": text}, plot
