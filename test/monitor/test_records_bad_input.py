@@ -113,9 +113,7 @@ def test_cut_at_every_thousandth_byte(sound, tmp_path_factory):
         shutil.rmtree(folder.parent)
 
 
-@settings(max_examples=15, **relaxed)
-@given(st.data())
-def test_flipped_bits(sound, tmp_path_factory, data):
+def flip_bits(sound, tmp_path_factory, data):
     whole = bytearray((sound / "run_0.mcap").read_bytes())
     for _ in range(data.draw(st.integers(1, 4))):
         near_the_end = data.draw(st.booleans())  # where the index is
@@ -126,9 +124,7 @@ def test_flipped_bits(sound, tmp_path_factory, data):
     shutil.rmtree(folder.parent)
 
 
-@settings(max_examples=6, **relaxed)
-@given(st.data())
-def test_lengths_that_lie(sound, tmp_path_factory, data):
+def lie_about_a_length(sound, tmp_path_factory, data):
     """Any eight bytes become a large number: lengths of records, offsets, counts, times."""
     whole = bytearray((sound / "run_0.mcap").read_bytes())
     at = data.draw(st.integers(0, len(whole) - 9))
@@ -140,10 +136,24 @@ def test_lengths_that_lie(sound, tmp_path_factory, data):
     shutil.rmtree(folder.parent)
 
 
+@settings(max_examples=15, **relaxed)
+@given(st.data())
+def test_flipped_bits(sound, tmp_path_factory, data):
+    flip_bits(sound, tmp_path_factory, data)
+
+
+@settings(max_examples=6, **relaxed)
+@given(st.data())
+def test_lengths_that_lie(sound, tmp_path_factory, data):
+    lie_about_a_length(sound, tmp_path_factory, data)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("attempt", [test_flipped_bits, test_lengths_that_lie])
-def test_many_more(sound, tmp_path_factory, attempt):
-    settings(max_examples=60, **relaxed)(attempt)(sound, tmp_path_factory)
+@pytest.mark.parametrize("attempt", [flip_bits, lie_about_a_length])
+@settings(max_examples=40, **relaxed)
+@given(data=st.data())
+def test_many_more(sound, tmp_path_factory, attempt, data):
+    attempt(sound, tmp_path_factory, data)
 
 
 # --- sizes that lie ---------------------------------------------------------------------------------------------------
