@@ -28,7 +28,8 @@ beside it. All meshes run at one frequency, omega_e in units of omega_n of stage
 imply; the last column has what every stage shows at its own mesh frequency (`kinematic`). A section of few dots
 counts as periodic (scatter under 5 % of the signal's standard deviation) even where the exponent of the gearbox, of
 which there is one for all stages, is above 0. An interval holds when every frequency computed in it agrees.
-`unknown`: the exponent is above 0 by less than three standard errors.
+`unknown`: the exponent is above 0 by less than three standard errors; `period-1` is also what no period up to 16
+explains and isn't chaotic.
 """
 SECTION_5 = """## Section 5.2: superharmonic resonance
 

@@ -8,6 +8,7 @@ import pytest
 from nw_gear_common import cli
 from nw_gear_sim import config
 from nw_gear_sim.kinematics import derive
+from nw_gear_sim.studies.bifurcation import Plan
 from nw_gear_sim.studies.section4 import result, space, study
 from nw_gear_sim.studies.section4.evaluate import Labelled
 from nw_gear_sim.studies.section4.waveforms import Integrated, Spectra
@@ -134,8 +135,11 @@ def test_the_folder_of_another_seed_is_refused(store, run):
 
 @pytest.mark.slow
 def test_a_small_real_search(run, tmp_path, monkeypatch):
-    """Two draws from their beginning to the verdicts; a minute of transient is a tenth of a second here."""
+    """Two draws from their beginning to the verdicts, all of them short: a minute is a tenth of a second here."""
     monkeypatch.setattr(study, "MINUTE", 0.1)
+    monkeypatch.setattr(study, "PLAN", Plan(transient=20, record=40, exponent_periods=4))
+    monkeypatch.setattr(study, "GRID", study.GRID[1::3])
+    monkeypatch.setattr(study, "GRID_PARTS", study.GRID_PARTS[:1])
     arguments = ("--section", "4", "--draws", "2", "--around", "0", "--workers", "1", "-o", str(tmp_path / "store"))
     first = run(*arguments, "--json")
     found = json.loads(first.out)["section_4"]
