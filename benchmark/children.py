@@ -28,6 +28,11 @@ class Child:
         self.cpu = self.share = self.memory = float("nan")
         self.code: int | None = None
 
+    @property
+    def pid(self) -> int:
+        """Process number."""
+        return self._process.pid
+
     def look(self) -> bool:
         """Whether it still runs; once it has ended notes exit code, CPU time (s), share of a core, memory (MB)."""
         if self.code is None:
