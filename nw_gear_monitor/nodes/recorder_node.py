@@ -55,7 +55,7 @@ class Settings:
         0, "Size of a file, without its index, at which the recording goes on in another; 0 = any.", "B", minimum=0
     )
     max_file_duration: float = quantity(
-        0.0, "Recorded time in a file after which the recording goes on in another; 0 = any.", "s", minimum=0.0
+        3600.0, "Recorded time in a file after which the recording goes on in another; 0 = any.", "s", minimum=0.0
     )
     compression: str = quantity("zstd", "Compression of the chunks.", choices=tuple(COMPRESSIONS))
     provenance: str = quantity("", "Text that is kept in the recording, for instance how the run was started.")

@@ -5,11 +5,12 @@ from typing import Any
 
 import pytest
 
+from nw_gear_common import names
 from nw_gear_common.errors import InputError
 from nw_gear_sim import config
 from nw_gear_sim.nodes.schedule import Schedule
 from nw_gear_sim.physics.wind_gust import DURATION, gust_magnitude
-from nw_gear_sim.wind import SOURCES, Settings, Source, make_source
+from nw_gear_sim.wind import Settings, Source, make_source
 
 MAST = Path(__file__).parents[1] / "data" / "mast_wind_10min.csv"
 NANO = 1_000_000_000
@@ -22,7 +23,7 @@ def make(**values: Any) -> Source:
 
 
 def test_every_source_gives_wind() -> None:
-    for source in SOURCES:
+    for source in names.WIND_SOURCES:
         made = make(source=source, file=str(MAST))
         assert 0.0 < made.sample(0) < 30.0
         assert made.description

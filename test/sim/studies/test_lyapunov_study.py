@@ -103,7 +103,10 @@ def test_study_along_an_axis_goes_on_where_it_stopped(tmp_path, capsys):
     (folder / "pieces" / "point-000001.npz").unlink()
     assert cli.main(words) == 0
     again = capsys.readouterr()
-    assert json.loads(again.out) == first
+    repeated = json.loads(again.out)
+    assert repeated["rows"][0] == rattling  # kept
+    assert repeated["rows"][1]["rate"] == pytest.approx(loaded["rate"], rel=1e-9)  # LAPACK's last digits may differ
+    assert repeated["files"] == first["files"]
     assert "1 of 2 pieces" in again.err
     assert cli.main([*words, "--count", "1"]) == 2
     assert "plan.count" in capsys.readouterr().err
