@@ -27,6 +27,7 @@ def test_a_step_four_times_smaller_has_a_smaller_error():
     assert 0 < fine.later < coarse.later / 16
 
 
+@pytest.mark.slow
 def test_scipy_solves_the_same_equations():
     """Both right-hand sides, from the same equilibrium: that of the reference's equations shares no code with ours."""
     seconds = 0.003
